@@ -20,6 +20,7 @@ TABLES: dict[str, str] = {
     "measured": "shaken and dropped beds that others measured",
     "optimum": "where the bouncing bed damps best (thesis, Table 6.3)",
     "packing": "how densely each shape packs (thesis, eq. 6.13 and sec. 8.5.1.2)",
+    "phases": "names of the motion over frequency and Gamma (thesis, Figs 2.12, 6.2 and 6.3)",
     "printed": "printed numbers: fill, time step, impacts that yield (thesis, secs 6.2, 8.3)",
     "sensitivity": "the optimum against four properties (thesis, Fig. 6.13)",
     "shapes": "spheroids and toroids of unlike ratio (thesis, chapter 8)",

@@ -21,6 +21,7 @@ REGISTRIES = {
     "damper_map": ("damper3d.reproduce.quantities.maps", "MAPS"),
     "damper_optimum": ("damper3d.reproduce.quantities.optima", "OPTIMA"),
     "damper_packing": ("damper3d.reproduce.quantities.packing", "PACKINGS"),
+    "damper_phases": ("damper3d.reproduce.phases.quantities", "PHASE_MAPS"),
     "damper_printed": ("damper3d.reproduce.printed.quantities", "PRINTED"),
     "damper_sensitivity": ("damper3d.reproduce.quantities.sensitivity", "SENSITIVITY"),
     "damper_shapes": ("damper3d.reproduce.quantities.shapes", "SHAPES"),

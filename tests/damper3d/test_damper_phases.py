@@ -1,5 +1,6 @@
 """Phases of a damper from motions whose phase is known, and the measures behind them."""
 
+import dataclasses
 import math
 
 import made_motions as made
@@ -8,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from damper3d.measures.phases.bed_flow import ring_share, roll_share
+from damper3d.measures.phases.bed_flow import low_density, ring_share, roll_share
 from damper3d.measures.phases.bed_motion import collision_phase, contrast
 from damper3d.measures.phases.criteria import PHASES, RULES, classify
 from damper3d.measures.phases.motion import Motion, clearance
@@ -56,6 +57,38 @@ def test_particles_that_part_and_return_are_fluidised():
     assert measures["agitated_share"] > 0.9
     assert measures["travel"] == pytest.approx(0.0, abs=1e-9)  # a cycle later each is back
     assert measures["neighbours_kept"] == 1.0
+
+
+def test_who_moves_and_returns_is_fluidised_and_who_goes_on_convects():
+    """Thesis, sec. 6.4.3: both move against their neighbours; a cycle later one is back."""
+    swings, drifts = (measure_motion(m) for m in (made.fluidised(), made.floating_cloud()))
+    assert swings["fluidised_share"] == swings["agitated_share"] > 0.9
+    assert swings["convecting_share"] == 0.0
+    assert drifts["fluidised_share"] == 0.0
+    assert drifts["convecting_share"] == drifts["agitated_share"]
+
+
+def test_the_deepest_layers_lie_along_gravity():
+    """One of six layers swings, the highest along z: the deepest fifth (43 of 216) is carried.
+
+    With gravity across, that fifth is a plane of 36 of which 6 swing, and 7 others.
+    """
+    assert measure_motion(made.fluidised(part=0.3))["deep_carried_share"] == 1.0
+    across = measure_motion(made.fluidised(part=0.3, horizontal=True))["deep_carried_share"]
+    assert across is not None
+    assert 30 / 43 <= across <= 37 / 43
+    weightless = dataclasses.replace(made.fluidised(), gravity=np.zeros(3))
+    assert measure_motion(weightless)["deep_carried_share"] is None
+
+
+@pytest.mark.parametrize(
+    ("lift", "density"), [(0.0, 1.0), (0.25, 3 * 0.75**2 - 2 * 0.75**3), (0.5, 0.5), (1.0, 0.0)]
+)
+def test_the_density_at_the_floor_is_that_of_the_caps_below_one_diameter(lift, density):
+    """Equal layers, lifted by a part of a diameter: of a sphere 3 s^2 - 2 s^3 is below s of it."""
+    bed = made.lattice() + np.array([0.0, 0.0, lift * made.DIAMETER])
+    shaken = made.Shaken(gamma=0.8)
+    assert low_density(shaken.motion(made.at_rest(shaken, bed))) == pytest.approx(density, abs=1e-9)
 
 
 def test_fluidisation_of_the_upper_layers_alone_is_local_or_partial():

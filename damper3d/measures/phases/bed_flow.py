@@ -17,6 +17,7 @@ def flow_measures(motion: Motion) -> dict[str, float]:
     return {
         "hot_low": float(low / middle) if middle > 0.0 else 1.0,
         "hot_high": float(high / middle) if middle > 0.0 else 1.0,
+        "low_density": low_density(motion),
         "across_share": across_share(motion),
         "bed_height": float(motion.bed_height.mean() / motion.length),
         "floor_gap_least": float(gap.min() / motion.clearance),
@@ -34,6 +35,25 @@ def layer_fluctuation(motion: Motion) -> np.ndarray:
     by_height = np.take_along_axis(fluctuation, np.argsort(motion.x[:, :, 2], axis=1), axis=1)
     mean = by_height.mean(axis=0)
     return np.array([layer.mean() for layer in np.array_split(mean, min(LAYERS, len(mean)))])
+
+
+def low_density(motion: Motion) -> float:
+    """Solid volume of the lowest slice over that of the fullest, slices of a mean diameter.
+
+    Over all frames, of the spheres around the particles. About 1 for a bed on the floor; a dense
+    cluster over a thin gas, the Leidenfrost effect of the literature, has far less: for this
+    nothing needs to be known of how fast the particles are.
+    """
+    diameter = 2.0 * motion.radius.mean()
+    edges = np.arange(int(np.ceil(motion.x[:, :, 2].max() / diameter)) + 2) * diameter
+    # Part of a sphere below a plane at the height s of its own diameter: 3 s^2 - 2 s^3.
+    low = motion.x[:, :, 2] - motion.radius
+    below = []
+    for edge in edges:
+        s = np.clip((edge - low) / (2.0 * motion.radius), 0.0, 1.0)
+        below.append(float(((3.0 - 2.0 * s) * s**2 @ motion.radius**3).sum()))
+    slices = np.diff(below)
+    return float(slices[0] / slices.max())
 
 
 def across_share(motion: Motion) -> float:

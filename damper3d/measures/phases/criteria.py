@@ -95,7 +95,8 @@ _ALL = {
     "bouncing_bed": Look("bouncing bed", "#e31a1c", "*"),
     "gas_like": Look("gas-like", "#cab2d6", "h"),
 }
-_ALWAYS: list[tuple[str, tuple[Criterion, ...]]] = [
+Rules = list[tuple[str, tuple[Criterion, ...]]]  # a name, and what must hold together
+_ALWAYS: Rules = [
     ("gas_like", (Criterion("free_path", CAGE),)),
     (
         "bouncing_bed",
@@ -111,7 +112,7 @@ _ALWAYS: list[tuple[str, tuple[Criterion, ...]]] = [
 # "Significant decompaction of particles in a cycle that allows the particles to be transported"
 # (sec. 6.4.3): a bed that comes together in each cycle is not loose, whatever happens between.
 _CONVECTING = (Criterion("travelling_share", MOST), Criterion("packed_share", MOST, at_least=False))
-_VERTICAL: list[tuple[str, tuple[Criterion, ...]]] = [
+_VERTICAL: Rules = [
     *_ALWAYS,
     ("transition", (Criterion("coherence", MOST), Criterion("contrast", UNEVEN))),
     ("buoyancy_convection", (*_CONVECTING, Criterion("circulation", SEEN))),
@@ -120,7 +121,7 @@ _VERTICAL: list[tuple[str, tuple[Criterion, ...]]] = [
     ("local_fluidisation", (Criterion("agitated_share", MOST, at_least=False),)),
     ("global_fluidisation", ()),
 ]
-_HORIZONTAL: list[tuple[str, tuple[Criterion, ...]]] = [
+_HORIZONTAL: Rules = [
     *_ALWAYS,
     ("convection", _CONVECTING),
     ("partial_fluidisation", (Criterion("agitated_share", MOST, at_least=False),)),
@@ -136,19 +137,22 @@ PHASES = {
 }
 
 
-def criteria_of(orientation: str) -> list[Criterion]:
+def criteria_of(orientation: str, rules: Mapping[str, Rules] = RULES) -> list[Criterion]:
     """The criteria that name phases, once each, in the order of the rules."""
-    return list(dict.fromkeys(c for _, together in RULES[orientation] for c in together))
+    return list(dict.fromkeys(c for _, together in rules[orientation] for c in together))
 
 
-def classify(measures: Mapping[str, Any], orientation: str) -> Phase:
+def classify(
+    measures: Mapping[str, Any], orientation: str, by: Mapping[str, Rules] = RULES
+) -> Phase:
     """The phase of a run from its measures (motion_measures.py) and how gravity points.
 
-    Raises InputError for an orientation that there is not.
+    by: other rules than those of docs/phases.md, for a study of them. Raises InputError for an
+    orientation that there is not.
     """
-    if orientation not in RULES:
-        raise InputError(f"orientation {orientation!r}: {nearest(orientation, list(RULES))}")
-    rules, criteria = RULES[orientation], criteria_of(orientation)
+    if orientation not in by:
+        raise InputError(f"orientation {orientation!r}: {nearest(orientation, list(by))}")
+    rules, criteria = by[orientation], criteria_of(orientation, by)
     holds = {criterion: criterion.holds(measures) for criterion in criteria}
     name = _first(rules, holds)
     neighbours: dict[str, Neighbour] = {}
@@ -181,5 +185,5 @@ def phase_of_run(folder: str | Path, discard: int | None = None) -> dict[str, An
     return {"phase": phase.name, "phase_next": phase.as_json()["next"], "phase_measures": measures}
 
 
-def _first(rules: list[tuple[str, tuple[Criterion, ...]]], holds: Mapping[Criterion, bool]) -> str:
+def _first(rules: Rules, holds: Mapping[Criterion, bool]) -> str:
     return next(name for name, together in rules if all(holds[c] for c in together))

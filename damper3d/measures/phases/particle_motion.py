@@ -9,6 +9,7 @@ import numpy as np
 from damper3d.measures.phases.motion import Motion
 
 SEEN = 0.1  # share of the energy below which a motion is taken as absent
+DEEP = 0.2  # of the particles: the layers "near the contact with the enclosure" (sec. 6.4.3.4)
 LOOKS = 10  # a cycle
 RETURNED = 0.5  # who ends a cycle nearer than half of its farthest has returned
 NEAR = 1.2  # neighbours: centres nearer than this many sums of the radii
@@ -22,12 +23,17 @@ def particle_measures(motion: Motion) -> dict[str, float | None]:
     agitation, kept = neighbour_motion(motion)
     hits, free = hits_and_flight(motion)
     travelled = travel(motion)
+    moves, returns = agitation >= SEEN, travelled <= RETURNED
+    carried, deep = carried_energy(motion) < SEEN, deepest(motion)
     diameter = 2.0 * motion.radius.mean()
     return {
-        "carried_share": float(np.mean(carried_energy(motion) < SEEN)),
-        "agitated_share": float(np.mean(agitation >= SEEN)),
+        "carried_share": float(np.mean(carried)),
+        "deep_carried_share": None if deep is None else float(np.mean(carried[deep])),
+        "agitated_share": float(np.mean(moves)),
+        "fluidised_share": float(np.mean(moves & returns)),
+        "convecting_share": float(np.mean(moves & ~returns)),
         "agitation": float(np.median(agitation)),
-        "travelling_share": float(np.mean(travelled > RETURNED)),
+        "travelling_share": float(np.mean(~returns)),
         "travel": float(np.median(travelled)),
         "packed_share": packed_share(motion),
         "neighbours_kept": kept,
@@ -42,6 +48,14 @@ def carried_energy(motion: Motion) -> np.ndarray:
     relative = motion.v.copy()
     relative[:, :, 2] -= motion.frame_speed[:, None]
     return (relative**2).sum(axis=2).mean(axis=0) / (motion.frame_speed**2).mean()
+
+
+def deepest(motion: Motion) -> np.ndarray | None:
+    """The fifth of the particles that lies deepest along gravity (n,), or None without gravity."""
+    if not motion.gravity.any():
+        return None
+    depth = motion.x.mean(axis=0) @ motion.gravity
+    return np.argsort(depth)[-max(1, round(DEEP * len(depth))) :]
 
 
 def neighbour_motion(motion: Motion) -> tuple[np.ndarray, float | None]:
