@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from analytic import harmonic_motion
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from refusals import assert_refused, assert_refuses
 from small_damper import damper3d
@@ -141,6 +141,9 @@ masses = st.complex_numbers(min_magnitude=0.05, max_magnitude=2.0)
     shapes=st.lists(st.floats(0.2, 2.0), min_size=1, max_size=3),
     ratio=st.sampled_from([0.0, 0.002, 0.05]),
     moved=st.sampled_from([{"force": 20.0}, {"base_displacement": 1e-3}]),
+)
+@example(  # the second step along the curve ends on the last knot
+    field_of=[(2.0, 1 + 0j), (0.1, 1 + 0j)], shapes=[1.0], ratio=0.0, moved={"force": 20.0}
 )
 def test_the_followed_curve_has_all_solutions_of_the_closed_form(field_of, shapes, ratio, moved):
     """One damper on any field, also without damping and with m' and m'' of either sign.

@@ -146,6 +146,10 @@ def _step(balance, arc, length, work):
             return False, -1, 0
         length = forward
     arc.side[1] = tangent(balance, piece, weight, z1, plane, 1.0, arc.t1, work.m)
+    for e in range(len(piece)):  # that the step ends at of itself
+        if d < 0:
+            way = _outward(balance, piece, z1, arc.t1, e, work.row)
+            d = e if way else -1
     crossed = arc.side[0] != arc.side[1] or z[-1] * z1[-1] < 0.0
     if (crossed and length > _NOTHING) or arc.side[1] == 0.0 or dot(plane, arc.t1) < _STRAIGHT:
         return False, -1, 0
