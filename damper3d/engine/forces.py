@@ -43,7 +43,13 @@ from damper3d.engine.state import (
     YIELD,
 )
 from damper3d.engine.walls import place_wall, with_wall
-from granulab.contact.hertz import damping_of_impact, mindlin_force, spring_work, with_history
+from granulab.contact.hertz import (
+    carried_spring,
+    damping_of_impact,
+    mindlin_force,
+    spring_work,
+    with_history,
+)
 from granulab.contact.jit import inlined_inner, inner
 from granulab.contact.vectors import add, cross, dot, scale
 
@@ -177,18 +183,10 @@ def apply_law(laws, stored_force, n_contacts, block, dt):
 
 @inner
 def without_slip(law, history, k, normal, kt_before, kt, moved):
-    """Load of the spring of contact k at the step before, and the one of now if it did not slip.
-
-    Both in the tangent plane of now. The displacement since then is the mean of the velocities of
-    then and now times the step: half of it is known from then, the other half is `moved` [m].
-    """
+    """What the spring of contact k held a step before, and would hold now; see carried_spring."""
     held = history[entry(SPRING_X, k)], history[entry(SPRING_Y, k)], history[entry(SPRING_Z, k)]
     ahead = history[entry(MOVED_X, k)], history[entry(MOVED_Y, k)], history[entry(MOVED_Z, k)]
-    held = add(held, scale(-dot(held, normal), normal))
-    ahead = add(ahead, scale(-dot(ahead, normal), normal))
-    if law.stored_force:
-        return held, add(held, add(scale(kt_before, ahead), scale(kt, moved)))
-    return held, add(held, add(ahead, moved))
+    return carried_spring(law, held, ahead, normal, kt_before, kt, moved)
 
 
 @inlined_inner

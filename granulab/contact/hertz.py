@@ -56,6 +56,22 @@ def hertz_force(law, hertz, mass, damping, overlap, overlap_rate):
 
 
 @njit
+def carried_spring(law, held, ahead, normal, kt_before, kt, moved):
+    """What the tangential spring held a step before, and would hold now if it did not slip.
+
+    Both in the tangent plane of now. The displacement since then is the mean of the velocities of
+    then and now times the step: half of it is known from then, `ahead` [m], the other half is
+    `moved` [m]. held and what is returned: displacements [m], or forces [N] where the law stores
+    these; tuples of three. kt_before, kt: tangential stiffness then and now [N/m].
+    """
+    held = add(held, scale(-dot(held, normal), normal))
+    ahead = add(ahead, scale(-dot(ahead, normal), normal))
+    if law.stored_force:
+        return held, add(held, add(scale(kt_before, ahead), scale(kt, moved)))
+    return held, add(held, add(ahead, moved))
+
+
+@njit
 def mindlin_force(law, stiffness, dashpot, normal_force, trial, slip_rate):
     """Tangential force [N], what the spring holds after slip, and the power of the dashpot [W].
 

@@ -1,0 +1,126 @@
+"""From sample to sample: steps of all spheres of a slot, and lists where one has left its own."""
+
+from typing import Any
+
+import numpy as np
+
+from damper3d.engine.batch.samples import forget, note_parts, write_column
+from damper3d.engine.batch.slots import (
+    DIRECTION,
+    IN_USE,
+    INTO,
+    LEFT,
+    MADE,
+    OUTCOME,
+    PER_SAMPLE,
+    RAMP,
+    SPHERES,
+    STEP,
+    TIME_STEP,
+    WALLS,
+    WANTED,
+    WRITTEN,
+    Slots,
+)
+from damper3d.engine.batch.step import list_sphere, load_sphere, move_sphere, three
+from damper3d.engine.motions import sines
+from damper3d.engine.motions.sines import Sines
+from damper3d.engine.state import DONE, N_BALANCE, N_COLUMNS
+from granulab.contact.jit import njit
+from granulab.contact.vectors import scale
+
+_OVER = 32  # spheres over which the mean velocity of the bed is taken, about
+
+
+@njit
+def enclosure_of(slots, s, time):
+    """Displacement [m] and velocity [m/s] of an enclosure along its direction, at a time."""
+    rows = slots.sines[s]
+    motion = Sines(rows[0], rows[1], rows[2], slots.numbers[s, RAMP])
+    return sines.displacement(motion, time), sines.velocity(motion, time)
+
+
+@njit
+def mean_velocity(slots, s, c):
+    """Mean of a component of the velocity of some spheres, evenly chosen, for a list's drift."""
+    n = slots.clock[s, SPHERES]
+    every = (n + _OVER - 1) // _OVER
+    summed, counted = 0.0, 0.0
+    for i in range(0, n, every):
+        summed += slots.velocity_now[s, i, c]
+        counted += 1.0
+    return summed / counted
+
+
+def advancing(wait: Any) -> Any:
+    """The loop of a thread of a slot, whose threads come together where they `wait`.
+
+    advance(slots, s, thread, n_threads, most) takes most steps at most, and ends where all samples
+    that are wanted are written, or where a list has no room or a state is beyond belief, which
+    OUTCOME then says: nothing has been changed since the last step.
+    """
+
+    def advance(slots, s, thread, n_threads, most):
+        clock, numbers = slots.clock[s], slots.numbers[s]
+        n, dt = clock[SPHERES], numbers[TIME_STEP]
+        step, into, written = clock[STEP], clock[INTO], clock[WRITTEN]
+        in_use, made = clock[IN_USE], clock[MADE]
+        direction = three(numbers[DIRECTION : DIRECTION + 3])
+        n_columns = N_COLUMNS + N_BALANCE + 3 * clock[WALLS]
+        along, rate = enclosure_of(slots, s, step * dt)
+        wait()
+        while True:
+            if clock[LEFT] == step:
+                for i in range(thread, n, n_threads):
+                    outcome = list_sphere(slots, s, in_use, i)
+                    if outcome != DONE:
+                        clock[OUTCOME] = outcome
+                for c in range(thread, 3, n_threads):
+                    slots.drift[s, c] = mean_velocity(slots, s, c)
+                wait()
+                if clock[OUTCOME] != DONE:
+                    break
+                in_use, made = 1 - in_use, step
+            shift, speed = scale(along, direction), scale(rate, direction)
+            if into == clock[PER_SAMPLE]:
+                for i in range(thread, n, n_threads):
+                    note_parts(slots, s, in_use, i, shift, speed)
+                wait()
+                for c in range(thread, n_columns, n_threads):
+                    write_column(slots, s, c, written, step * dt, along, rate)
+                wait()
+                for i in range(thread, n, n_threads):
+                    forget(slots, s, i)
+                into, written = 0, written + 1
+            if written == clock[WANTED] or most == 0:
+                break
+            for i in range(thread, n, n_threads):
+                load_sphere(slots, s, in_use, i, shift, speed)
+            wait()
+            step, into, most = step + 1, into + 1, most - 1
+            along, rate = enclosure_of(slots, s, step * dt)
+            for i in range(thread, n, n_threads):
+                if move_sphere(slots, s, i, step - made):
+                    clock[LEFT] = step
+            wait()
+        wait()
+        if thread == 0:
+            clock[STEP], clock[INTO], clock[WRITTEN] = step, into, written
+            clock[IN_USE], clock[MADE] = in_use, made
+
+    return advance
+
+
+def nothing_to_wait_for() -> None:
+    """For the only thread of a slot."""
+
+
+def alone() -> Any:
+    """The loop of a slot's only thread, compiled for the processor."""
+    return njit(advancing(njit(nothing_to_wait_for)))
+
+
+def go_on(slots: Slots, advance: Any, most: int) -> None:
+    """Let all slots go on for so many steps at most, one after the other."""
+    for s in np.flatnonzero(slots.clock[:, WRITTEN] < slots.clock[:, WANTED]):
+        advance(slots, s, 0, 1, most)

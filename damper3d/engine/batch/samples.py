@@ -1,0 +1,146 @@
+"""Samples of a slot: what each sphere adds, and their sums, a thread a column."""
+
+import math
+
+from damper3d.engine.batch.slots import (
+    GRAVITY,
+    IMPACTS,
+    MASS,
+    N_HELD,
+    PER_SAMPLE,
+    SPHERES,
+    TIME_STEP,
+    WALL_FORCE,
+    WALLS,
+)
+from damper3d.engine.batch.step import (
+    at_wall,
+    between,
+    distance_of,
+    hertz_of_pair,
+    law_in,
+    met,
+    three,
+    to_wall,
+)
+from damper3d.engine.state import (
+    CONTACTS_PP,
+    CONTACTS_PW,
+    DISPLACEMENT,
+    ELASTIC_NORMAL,
+    ELASTIC_TANGENTIAL,
+    FASTEST,
+    IMPACT_PP,
+    KINETIC,
+    N_BALANCE,
+    N_COLUMNS,
+    POSITION_X,
+    POTENTIAL,
+    TIME,
+    VELOCITY,
+    VELOCITY_Z,
+    YIELD,
+)
+from granulab.contact.hertz import spring_energy
+from granulab.contact.jit import njit
+from granulab.contact.vectors import add, scale
+
+
+@njit
+def note_parts(slots, s, in_use, i, shift, speed):
+    """Write what sphere i adds to the sample of now: energies, contacts, position and velocity."""
+    x, u, w, parts = slots.position[s], slots.velocity_now[s], slots.spin_now[s], slots.parts[s]
+    numbers, mass = slots.numbers[s], 1.0 / slots.velocity_now[s, i, 3]
+    kinetic = potential = 0.0
+    for c in range(3):
+        kinetic += 0.5 * mass * u[i, c] ** 2 + 0.5 * w[i, c] ** 2 / w[i, 3]
+        potential -= mass * numbers[GRAVITY + c] * x[i, c]
+        parts[N_HELD + c, i] = mass * (x[i, c] - shift[c])
+        parts[N_HELD + 3 + c, i] = mass * u[i, c]
+    parts[MASS, i] = mass
+    parts[0, i], parts[POTENTIAL - KINETIC, i] = kinetic, potential
+    law, near, stored, touching = law_in(slots.laws[s, 0]), slots.near[s, in_use], (0.0, 0.0), 0.0
+    for k in range(slots.listed[s, in_use, i]):
+        j = near[k, i]
+        square, cutoff = distance_of(x, i, j), x[i, 3] + x[j, 3]
+        if i < j and square < cutoff * cutoff:
+            normal, overlap, _, velocity = between(x, u, w, i, j, math.sqrt(square))
+            hertz, reduced = hertz_of_pair(law, x, u, i, j)
+            held = stored_in(law, hertz, reduced, normal, overlap, velocity,
+                             slots.history[s, in_use, k], i, numbers[TIME_STEP])  # fmt: skip
+            stored, touching = add(stored, held), touching + 1.0
+    parts[CONTACTS_PP - KINETIC, i] = touching
+    law, point, touching = law_in(slots.laws[s, 1]), add(three(x[i]), scale(-1.0, shift)), 0.0
+    for wall in range(slots.clock[s, WALLS]):
+        distance, normal, bend = to_wall(slots, s, wall, point)
+        if distance < x[i, 3]:
+            hertz, reduced, overlap, velocity = at_wall(
+                law, x, u, w, i, normal, distance, bend, speed
+            )
+            held = stored_in(law, hertz, reduced, normal, overlap, velocity,
+                             slots.wall_history[s, wall], i, numbers[TIME_STEP])  # fmt: skip
+            stored, touching = add(stored, held), touching + 1.0
+    parts[CONTACTS_PW - KINETIC, i] = touching
+    parts[ELASTIC_NORMAL - KINETIC, i], parts[ELASTIC_TANGENTIAL - KINETIC, i] = stored
+
+
+@njit
+def stored_in(law, hertz, mass, normal, overlap, velocity, history, i, dt):
+    """Energies [J] of the normal and the tangential spring of a contact: see sampling.add_elastic."""
+    state = met(law, hertz, mass, normal, overlap, velocity, history, i, dt)
+    stiffness, held = state[0], state[6]
+    return 0.4 * stiffness * overlap * overlap, spring_energy(law, stiffness, held)
+
+
+@njit
+def write_column(slots, s, c, written, time, along, rate):
+    """Write column c of a sample; along and rate: the enclosure's displacement and velocity."""
+    row, parts, books = slots.rows[s, written], slots.parts[s], slots.books[s]
+    n = slots.clock[s, SPHERES]
+    if c == TIME:
+        row[c] = time
+    elif c == DISPLACEMENT:
+        row[c] = along
+    elif c == VELOCITY:
+        row[c] = rate
+    elif c <= CONTACTS_PW:
+        row[c] = total(parts, c - KINETIC, n)
+    elif c < POSITION_X:
+        k = c - IMPACT_PP
+        own = IMPACTS + (k % 2) * YIELD + k // 2
+        row[c] = largest(books, own, n) if k // 2 == FASTEST else total(books, own, n)
+    elif c <= VELOCITY_Z:
+        row[c] = total(parts, N_HELD + c - POSITION_X, n) / total(parts, MASS, n)
+    elif c < N_COLUMNS + N_BALANCE:
+        row[c] = total(books, c - N_COLUMNS, n)
+    else:
+        force = total(books, WALL_FORCE + c - N_COLUMNS - N_BALANCE, n)
+        row[c] = force / slots.clock[s, PER_SAMPLE]
+
+
+@njit
+def forget(slots, s, i):
+    """Wipe what sphere i counted since the last sample."""
+    books = slots.books[s]
+    for k in range(IMPACTS, IMPACTS + 2 * YIELD):
+        books[k, i] = 0.0
+    for k in range(WALL_FORCE, WALL_FORCE + 3 * slots.clock[s, WALLS]):
+        books[k, i] = 0.0
+
+
+@njit
+def total(table, row, n):
+    """Sum of the first n numbers of a row, in their order."""
+    summed = 0.0
+    for i in range(n):
+        summed += table[row, i]
+    return summed
+
+
+@njit
+def largest(table, row, n):
+    """The largest of the first n numbers of a row, none below 0."""
+    most = 0.0
+    for i in range(n):
+        most = max(most, table[row, i])
+    return most

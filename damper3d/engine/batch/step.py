@@ -1,0 +1,299 @@
+"""One step of a sphere in a slot: the forces on it, its motion, and its list of neighbours.
+
+Each sphere sums the forces of its own contacts, by the numbers of its neighbours and then of the
+walls, so that no two threads add to one number: every contact of two spheres is worked twice, and
+counted by the first of them. Nothing depends on how many threads there are. The scheme is that of
+forces.py and integrate.py.
+"""
+
+import math
+
+import numpy as np
+
+from damper3d.engine.batch.slots import (
+    CURVED,
+    GRAVITY,
+    HEAT,
+    IMPACTS,
+    PLANES,
+    ROUND,
+    SKIN,
+    SPHERES,
+    TIME_STEP,
+    WALL_FORCE,
+    WALLS,
+    YIELDS,
+)
+from damper3d.engine.enclosures.cylinder import nearest_round
+from damper3d.engine.enclosures.enclosure import Round
+from damper3d.engine.state import (
+    BEGUN,
+    BEYOND,
+    DAMPING,
+    DEEPEST,
+    DONE,
+    FASTEST,
+    FRICTION,
+    INNER_FULL,
+    LAW_TERM,
+    MOVED_X,
+    N_HISTORY,
+    N_MECHANISMS,
+    NO_CONTACT,
+    NORMAL_DAMPING,
+    SLIP_COUNT,
+    SPRING_X,
+    STIFFNESS,
+    TANGENTIAL_DAMPING,
+    TOO_DEEP,
+    WALL_WORK,
+    YIELD,
+)
+from granulab.contact.hertz import (
+    HertzLaw,
+    carried_spring,
+    damping_of_impact,
+    hertz_force,
+    mindlin_force,
+    spring_work,
+)
+from granulab.contact.jit import njit
+from granulab.contact.vectors import add, cross, dot, scale
+
+_ROUNDING = 1.0 + 1e-12  # as in geometry.py
+_to_round = njit(nearest_round)
+
+
+@njit
+def law_in(row):
+    """The law whose numbers stand in a row."""
+    return HertzLaw(
+        row[0], row[1], row[2], row[3], row[4], row[5], row[6] > 0.0, row[7] > 0.0
+    )  # fmt: skip
+
+
+@njit
+def three(row):
+    """The first three numbers of a row, as a vector."""
+    return row[0], row[1], row[2]
+
+
+@njit
+def column(rows, first, i):
+    """Three numbers of sphere i, from a row on, as a vector."""
+    return rows[first, i], rows[first + 1, i], rows[first + 2, i]
+
+
+@njit
+def put_column(rows, first, i, v):
+    """Let a vector stand in three rows of sphere i."""
+    rows[first, i], rows[first + 1, i], rows[first + 2, i] = v
+
+
+@njit
+def met(law, hertz, mass, normal, overlap, velocity, history, i, dt):
+    """A contact of sphere i with a history (N_HISTORY, n), from its geometry: see forces.apply_law.
+
+    Secant stiffness, overlap rate, slip rate, its b, the spring a step before, as it would be and as
+    it is, normal force, tangential force, power of the normal and tangential dashpots, whether it
+    slides.
+    """
+    rate = -dot(velocity, normal)
+    slip_rate = add(velocity, scale(rate, normal))
+    damping = max(history[DAMPING, i], law.damping)
+    stiffness, dashpot, f_n, inelastic = hertz_force(law, hertz, mass, damping, overlap, rate)
+    held_before, trial = carried_spring(
+        law, column(history, SPRING_X, i), column(history, MOVED_X, i), normal,
+        history[STIFFNESS, i], law.tangential * stiffness, scale(0.5 * dt, slip_rate),
+    )  # fmt: skip
+    force, held, power, slides = mindlin_force(law, stiffness, dashpot, f_n, trial, slip_rate)
+    return (stiffness, rate, slip_rate, damping, held_before, trial, held, f_n, force,
+            inelastic * rate, power, slides)  # fmt: skip
+
+
+@njit
+def pushed(law, hertz, mass, normal, overlap, velocity, history, books, i, which, counts, limit, dt):
+    """The force [N] of such a contact on the other, and its couple normal x force [N].
+
+    Its history goes on, and what it dissipates is entered into the books (columns, n) of sphere i,
+    in those of class 0 or 1: the heat by half, the rest as far as `counts` (1 or 0).
+    """
+    known, kt_before = history[DAMPING, i], history[STIFFNESS, i]
+    (stiffness, rate, slip_rate, damping, held_before, trial, held, f_n, force, normal_power, power,
+     slides) = met(law, hertz, mass, normal, overlap, velocity, history, i, dt)  # fmt: skip
+    if not overlap > 0.0:
+        put_column(history, SPRING_X, i, (0.0, 0.0, 0.0))
+        put_column(history, MOVED_X, i, (0.0, 0.0, 0.0))
+        history[STIFFNESS, i], history[DAMPING, i] = 0.0, NO_CONTACT
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    kt = law.tangential * stiffness
+    friction, stiffened = spring_work(law, kt_before, kt, held_before, trial, held)
+    if known < 0.0 and rate > 0.0:  # it begins
+        damping = damping_of_impact(law, hertz, mass, rate)
+        own = IMPACTS + which * YIELD
+        books[own + FASTEST, i] = max(books[own + FASTEST, i], counts * rate)
+        books[own + BEGUN, i] += counts
+        books[own + BEYOND, i] += counts if rate > limit else 0.0
+    put_column(history, SPRING_X, i, held)
+    put_column(history, MOVED_X, i, scale(0.5 * dt, slip_rate))
+    history[STIFFNESS, i], history[DAMPING, i] = kt, damping
+    books[HEAT, i] += 0.5 * ((normal_power + power) * dt + friction)
+    own = which * N_MECHANISMS
+    books[own + NORMAL_DAMPING, i] += counts * normal_power * dt
+    books[own + TANGENTIAL_DAMPING, i] += counts * power * dt
+    books[own + FRICTION, i] += counts * friction
+    books[own + LAW_TERM, i] += counts * stiffened
+    books[own + SLIP_COUNT, i] -= counts * slides * dot(force, slip_rate) * dt
+    return add(force, scale(f_n, normal)), cross(normal, force)
+
+
+@njit
+def between(x, u, w, i, j, distance):
+    """Normal from sphere i to j, overlap [m], arm of i [m] and the velocity of j's surface there."""
+    separation = add(three(x[j]), scale(-1.0, three(x[i])))
+    normal = scale(1.0 / distance, separation)
+    overlap = max(x[i, 3] + x[j, 3] - distance, 0.0)
+    half = 0.5 * overlap
+    arms = add(scale(x[i, 3] - half, three(w[i])), scale(x[j, 3] - half, three(w[j])))
+    moving = add(three(u[j]), scale(-1.0, three(u[i])))
+    velocity = add(moving, scale(-1.0, cross(arms, normal)))
+    return normal, overlap, x[i, 3] - half, velocity
+
+
+@njit
+def hertz_of_pair(law, x, u, i, j):
+    """(4/3) E sqrt(R) [N/m^1.5] and the reduced mass [kg] of two spheres."""
+    radius = x[i, 3] * x[j, 3] / (x[i, 3] + x[j, 3])
+    return law.hertz * math.sqrt(radius), 1.0 / (u[i, 3] + u[j, 3])
+
+
+@njit
+def distance_of(x, i, j):
+    """Square of the distance of two spheres [m2]."""
+    a, b, c = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
+    return a * a + b * b + c * c
+
+
+@njit
+def to_wall(slots, s, w, point):
+    """Distance [m] of a point of the enclosure from wall w, the normal that points to it, its 1/D.
+
+    1/D [1/m] is half of the sum of its curvatures, where these enter the law.
+    """
+    if w < slots.clock[s, PLANES]:
+        plane = slots.planes[s, w]
+        inwards = three(plane)
+        return dot(inwards, point) - plane[3], scale(-1.0, inwards), 0.0
+    numbers = slots.numbers[s]
+    distance, normal, mean = _to_round(
+        Round(numbers[ROUND]), 0, point[0], point[1], point[2]
+    )  # fmt: skip
+    return distance, normal, numbers[CURVED] / mean
+
+
+@njit
+def at_wall(law, x, u, w, i, normal, distance, bend, speed):
+    """Hertz's constant and mass of a sphere at a wall, the overlap, the velocity of the wall."""
+    radius = x[i, 3] / (1.0 - x[i, 3] * bend)
+    moving = add(speed, scale(-1.0, three(u[i])))
+    velocity = add(moving, scale(-distance, cross(three(w[i]), normal)))
+    overlap = max(x[i, 3] - distance, 0.0)
+    return law.hertz * math.sqrt(radius), 1.0 / u[i, 3], overlap, velocity
+
+
+@njit
+def load_sphere(slots, s, in_use, i, shift, speed):
+    """Write the force and torque on sphere i; shift and speed are the enclosure's."""
+    x, u, w = slots.position[s], slots.velocity_now[s], slots.spin_now[s]
+    books, numbers, near = slots.books[s], slots.numbers[s], slots.near[s, in_use]
+    dt = numbers[TIME_STEP]
+    law = law_in(slots.laws[s, 0])
+    force, torque = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for k in range(slots.listed[s, in_use, i]):
+        j = near[k, i]
+        history = slots.history[s, in_use, k]
+        square, cutoff = distance_of(x, i, j), x[i, 3] + x[j, 3]
+        if square < _ROUNDING * (cutoff * cutoff) or history[DAMPING, i] >= 0.0:
+            normal, overlap, arm, velocity = between(x, u, w, i, j, math.sqrt(square))
+            hertz, mass = hertz_of_pair(law, x, u, i, j)
+            counts = 1.0 if i < j else 0.0
+            push, couple = pushed(law, hertz, mass, normal, overlap, velocity, history, books, i, 0,
+                                  counts, numbers[YIELDS], dt)  # fmt: skip
+            force = add(force, scale(-1.0, push))
+            torque = add(torque, scale(-arm, couple))
+    law = law_in(slots.laws[s, 1])
+    point = add(three(x[i]), scale(-1.0, shift))
+    for wall in range(slots.clock[s, WALLS]):
+        distance, normal, bend = to_wall(slots, s, wall, point)
+        history = slots.wall_history[s, wall]
+        if distance < x[i, 3] or history[DAMPING, i] >= 0.0:
+            hertz, mass, overlap, velocity = at_wall(
+                law, x, u, w, i, normal, distance, bend, speed
+            )  # fmt: skip
+            push, couple = pushed(law, hertz, mass, normal, overlap, velocity, history, books, i, 1,
+                                  1.0, numbers[YIELDS + 1], dt)  # fmt: skip
+            force = add(force, scale(-1.0, push))
+            torque = add(torque, scale(-distance, couple))
+            books[WALL_WORK, i] -= dt * dot(push, speed)
+            for c in range(3):
+                books[WALL_FORCE + 3 * wall + c, i] += push[c]
+    put_column(slots.load[s], 0, i, force)
+    put_column(slots.load[s], 3, i, torque)
+
+
+@njit
+def move_sphere(slots, s, i, since):
+    """One step of sphere i; whether it has left its list, made so many steps ago [bool].
+
+    v += a dt,   x += v dt,   u = v + a dt/2,   and of the angular velocity likewise
+    """
+    x, u, w, load = slots.position[s], slots.velocity_now[s], slots.spin_now[s], slots.load[s]
+    numbers = slots.numbers[s]
+    dt = numbers[TIME_STEP]
+    off = 0.0
+    for c in range(3):
+        change = dt * u[i, 3] * load[c, i] + dt * numbers[GRAVITY + c]
+        v = slots.velocity[s, c, i] + change
+        slots.velocity[s, c, i], u[i, c] = v, v + 0.5 * change
+        change = dt * w[i, 3] * load[3 + c, i]
+        turned = slots.spin[s, c, i] + change
+        slots.spin[s, c, i], w[i, c] = turned, turned + 0.5 * change
+        x[i, c] += dt * v
+        gone = x[i, c] - slots.seen[s, c, i] - since * dt * slots.drift[s, c]
+        off += gone * gone
+    margin = 0.5 * numbers[SKIN]
+    return not off <= margin * margin  # true for NaN as well
+
+
+@njit
+def list_sphere(slots, s, old, i):
+    """Make the other of the two lists of sphere i, with the histories of the old one; DONE, or not.
+
+    All spheres are looked at: of some hundred it takes less than to sort them into cells.
+    """
+    x, skin, new = slots.position[s], slots.numbers[s, SKIN], 1 - old
+    near, before = slots.near[s, new], slots.near[s, old]
+    n = kept = 0
+    for j in range(slots.clock[s, SPHERES]):
+        reach = x[i, 3] + x[j, 3] + skin
+        square = distance_of(x, i, j)
+        if square < reach * reach and j != i:
+            if n == len(near):
+                return INNER_FULL
+            deep = (1.0 - DEEPEST) * (x[i, 3] + x[j, 3])
+            if square < deep * deep:
+                return TOO_DEEP
+            near[n, i] = j
+            while kept < slots.listed[s, old, i] and before[kept, i] < j:
+                kept += 1
+            lasts = kept < slots.listed[s, old, i] and before[kept, i] == j
+            for h in range(N_HISTORY):
+                was = slots.history[s, old, kept, h, i] if lasts else 0.0
+                slots.history[s, new, n, h, i] = was
+            if not lasts:
+                slots.history[s, new, n, DAMPING, i] = NO_CONTACT
+            n += 1
+    slots.listed[s, new, i] = n
+    for c in range(3):
+        slots.seen[s, c, i] = x[i, c]
+    return DONE if x[i, 0] + x[i, 1] + x[i, 2] < np.inf else TOO_DEEP
