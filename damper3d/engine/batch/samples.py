@@ -1,7 +1,5 @@
 """Samples of a slot: what each sphere adds, and their sums, a thread a column."""
 
-import math
-
 from damper3d.engine.batch.slots import (
     GRAVITY,
     IMPACTS,
@@ -13,16 +11,7 @@ from damper3d.engine.batch.slots import (
     WALL_FORCE,
     WALLS,
 )
-from damper3d.engine.batch.step import (
-    at_wall,
-    between,
-    distance_of,
-    hertz_of_pair,
-    law_in,
-    met,
-    three,
-    to_wall,
-)
+from damper3d.engine.batch.step import law_in, meeting, met, three, touching
 from damper3d.engine.state import (
     CONTACTS_PP,
     CONTACTS_PW,
@@ -59,34 +48,29 @@ def note_parts(slots, s, in_use, i, shift, speed):
         parts[N_HELD + 3 + c, i] = mass * u[i, c]
     parts[MASS, i] = mass
     parts[0, i], parts[POTENTIAL - KINETIC, i] = kinetic, potential
-    law, near, stored, touching = law_in(slots.laws[s, 0]), slots.near[s, in_use], (0.0, 0.0), 0.0
-    for k in range(slots.listed[s, in_use, i]):
-        j = near[k, i]
-        square, cutoff = distance_of(x, i, j), x[i, 3] + x[j, 3]
-        if i < j and square < cutoff * cutoff:
-            normal, overlap, _, velocity = between(x, u, w, i, j, math.sqrt(square))
-            hertz, reduced = hertz_of_pair(law, x, u, i, j)
-            held = stored_in(law, hertz, reduced, normal, overlap, velocity,
-                             slots.history[s, in_use, k], i, numbers[TIME_STEP])  # fmt: skip
-            stored, touching = add(stored, held), touching + 1.0
-    parts[CONTACTS_PP - KINETIC, i] = touching
-    law, point, touching = law_in(slots.laws[s, 1]), add(three(x[i]), scale(-1.0, shift)), 0.0
-    for wall in range(slots.clock[s, WALLS]):
-        distance, normal, bend = to_wall(slots, s, wall, point)
-        if distance < x[i, 3]:
-            hertz, reduced, overlap, velocity = at_wall(
-                law, x, u, w, i, normal, distance, bend, speed
+    stored, pairs, at_walls = (0.0, 0.0), 0.0, 0.0
+    point = add(three(x[i]), scale(-1.0, shift))
+    bits, k = touching(slots, s, in_use, i, point), 0
+    while bits != 0:
+        if bits & 1:
+            which, counts, normal, overlap, _, velocity = meeting(
+                slots, s, in_use, i, k, point, speed
             )
-            held = stored_in(law, hertz, reduced, normal, overlap, velocity,
-                             slots.wall_history[s, wall], i, numbers[TIME_STEP])  # fmt: skip
-            stored, touching = add(stored, held), touching + 1.0
-    parts[CONTACTS_PW - KINETIC, i] = touching
+            if overlap > 0.0 and counts > 0.0:
+                constants = slots.constants[s, in_use, k]
+                law, history = law_in(slots.laws[s, which]), slots.history[s, in_use, k]
+                held = stored_in(law, constants[0, i], constants[1, i], normal, overlap, velocity,
+                                 history, i, numbers[TIME_STEP])  # fmt: skip
+                stored = add(stored, held)
+                pairs, at_walls = pairs + (1.0 - which), at_walls + which
+        bits, k = bits >> 1, k + 1
+    parts[CONTACTS_PP - KINETIC, i], parts[CONTACTS_PW - KINETIC, i] = pairs, at_walls
     parts[ELASTIC_NORMAL - KINETIC, i], parts[ELASTIC_TANGENTIAL - KINETIC, i] = stored
 
 
 @njit
 def stored_in(law, hertz, mass, normal, overlap, velocity, history, i, dt):
-    """Energies [J] of the normal and the tangential spring of a contact: see sampling.add_elastic."""
+    """Energies [J] of the normal and tangential spring of a contact: see sampling.add_elastic."""
     state = met(law, hertz, mass, normal, overlap, velocity, history, i, dt)
     stiffness, held = state[0], state[6]
     return 0.4 * stiffness * overlap * overlap, spring_energy(law, stiffness, held)

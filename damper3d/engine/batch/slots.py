@@ -13,6 +13,7 @@ from damper3d.engine import state
 from damper3d.engine.enclosures import Round
 from damper3d.engine.motions import Sines
 from damper3d.engine.simulation import Simulation
+from damper3d.engine.spheres.particles import OneSphere
 from granulab.contact.hertz import HertzLaw
 
 # Entries of Slots.clock: number of spheres, of flat walls and of all walls; steps of this phase;
@@ -60,27 +61,29 @@ class Slots(NamedTuple):
     drift: np.ndarray  # (n_slots, 3) mean velocity then, about [m/s]
     listed: np.ndarray  # (n_slots, 2, n) int32, number of neighbours, of either list
     near: np.ndarray  # (n_slots, 2, c, n) int32, neighbours, ascending
-    history: np.ndarray  # (n_slots, 2, c, N_HISTORY, n) of the contacts with them
-    wall_history: np.ndarray  # (n_slots, w, N_HISTORY, n)
+    # Of the contacts with them, and then with walls: (4/3) E sqrt(R) [N/m^1.5] and the reduced mass
+    # [kg], the history, and, as bits of a number, those that touched a step ago.
+    constants: np.ndarray  # (n_slots, 2, c + w, 2, n)
+    history: np.ndarray  # (n_slots, 2, c + w, N_HISTORY, n)
+    lasting: np.ndarray  # (n_slots, n) int64
     books: np.ndarray  # (n_slots, WALL_FORCE + 3 w, n)
     parts: np.ndarray  # (n_slots, N_PARTS, n)
     rows: np.ndarray  # (n_slots, r, N_COLUMNS + N_BALANCE + 3 w) samples
 
 
-
-
 def reason_against(sim: Simulation) -> str | None:
     """What a simulation has that slots do not, in words; None where it can have one."""
     world = sim.world
-    if not isinstance(world.pair_law, HertzLaw):
-        return "contacts with cohesion, rolling resistance or unlike materials"
-    if type(world.shaker) is not Sines:
-        return "a motion that is no sum of sines along one direction"
-    if not isinstance(world.walls.surface, Round):
-        return "walls that are curved otherwise than round a cylinder"
-    if hasattr(world.shape, "form") or world.walls.drive is not None:
-        return "multi-sphere particles" if hasattr(world.shape, "form") else "driven walls"
-    return None
+    lacking = {
+        "particles of several spheres": not isinstance(world.shape, OneSphere),
+        "contacts with cohesion, rolling resistance or unlike materials": not isinstance(
+            world.pair_law, HertzLaw
+        ),
+        "a motion that is no sum of sines along one direction": type(world.shaker) is not Sines,
+        "curved walls other than a cylinder's": not isinstance(world.walls.surface, Round),
+        "walls that move each by itself": world.walls.drive is not None,
+    }
+    return next((words for words, has in lacking.items() if has), None)
 
 
 def empty(
@@ -93,11 +96,12 @@ def empty(
         "sines": (3, n_sines), "planes": (n_walls, 4), "position": (n, 4),
         "velocity_now": (n, 4), "spin_now": (n, 4), "velocity": (3, n), "spin": (3, n),
         "load": (6, n), "seen": (3, n), "drift": (3,), "listed": (2, n), "near": (2, room, n),
-        "history": (2, room, state.N_HISTORY, n), "wall_history": (n_walls, state.N_HISTORY, n),
+        "constants": (2, room + n_walls, 2, n), "history": (2, room + n_walls, state.N_HISTORY, n),
+        "lasting": (n,),
         "books": (WALL_FORCE + 3 * n_walls, n), "parts": (N_PARTS, n),
         "rows": (rows, state.N_COLUMNS + state.N_BALANCE + 3 * n_walls),
     }  # fmt: skip
-    kinds = {"clock": np.int64, "listed": np.int32, "near": np.int32}
+    kinds = {"clock": np.int64, "lasting": np.int64, "listed": np.int32, "near": np.int32}
     return Slots(**{name: np.zeros((n_slots, *shape), kinds.get(name, float))
                     for name, shape in shapes.items()})  # fmt: skip
 
@@ -133,9 +137,9 @@ def put(slots: Slots, s: int, sim: Simulation, wanted: int) -> bool:
     one.books[IMPACTS:HEAT, 0] = world.impacts[:, : state.YIELD].ravel()
     one.books[HEAT, :n] = saved["heat"][:n]
     one.books[WALL_FORCE : WALL_FORCE + walls.force.size, 0] = walls.force.ravel()
-    one.wall_history[:, state.DAMPING] = state.NO_CONTACT
+    one.history[:, :, state.DAMPING] = state.NO_CONTACT
     touching, of_wall = saved["wall_pairs"].astype(np.int64).T
-    one.wall_history[of_wall, :, touching] = saved["wall_springs"].T
+    one.history[0, one.near.shape[1] + of_wall, :, touching] = saved["wall_springs"].T
     return _put_pairs(one, saved["pairs"].astype(np.int64), saved["springs"].T)
 
 
@@ -168,12 +172,12 @@ def take(slots: Slots, s: int, sim: Simulation) -> np.ndarray:
     """Give a simulation the state to which its damper in slot s has come; its samples, by rows."""
     one, saved = _slot(slots, s), sim.save()
     n, n_walls = sim.n_particles, len(sim.world.walls.force)
-    near, history = one.near[one.clock[IN_USE], :, :n], one.history[one.clock[IN_USE], ..., :n]
-    listed = np.arange(len(near))[:, None] < one.listed[one.clock[IN_USE], :n]
-    once = listed & (near > np.arange(n)) & (history[:, state.DAMPING] >= 0.0)
-    i, place = np.nonzero(once.T)
-    wall_history = one.wall_history[:n_walls, :, :n]
-    at_wall, touching = np.nonzero(wall_history[:, state.DAMPING] >= 0.0)
+    in_use, room = one.clock[IN_USE], one.near.shape[1]
+    near, history = one.near[in_use, :, :n], one.history[in_use, :, :, :n]
+    lasts = history[:, state.DAMPING] >= 0.0
+    listed = np.arange(room)[:, None] < one.listed[in_use, :n]
+    i, place = np.nonzero((listed & (near > np.arange(n)) & lasts[:room]).T)
+    at_wall, touching = np.nonzero(lasts[room:])
     for name, array in (("position", one.position), ("velocity_now", one.velocity_now),
                         ("spin_now", one.spin_now)):  # fmt: skip
         saved[name][:, :3] = array[:n, :3]
@@ -187,7 +191,7 @@ def take(slots: Slots, s: int, sim: Simulation) -> np.ndarray:
         "pairs": np.stack([i, near[place, i]], axis=1).astype(saved["pairs"].dtype),
         "springs": history[place, :, i].T,
         "wall_pairs": np.stack([touching, at_wall], axis=1),
-        "wall_springs": wall_history[at_wall, :, touching].T,
+        "wall_springs": history[room + at_wall, :, touching].T,
         "wall_force": sums[WALL_FORCE:][: 3 * n_walls].reshape(n_walls, 3),
         "step": one.clock[[STEP]],
         "books": sums[: state.N_BALANCE],

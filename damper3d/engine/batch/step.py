@@ -41,6 +41,7 @@ from damper3d.engine.state import (
     N_MECHANISMS,
     NO_CONTACT,
     NORMAL_DAMPING,
+    NOT_FINITE,
     SLIP_COUNT,
     SPRING_X,
     STIFFNESS,
@@ -94,9 +95,9 @@ def put_column(rows, first, i, v):
 def met(law, hertz, mass, normal, overlap, velocity, history, i, dt):
     """A contact of sphere i with a history (N_HISTORY, n), from its geometry: see forces.apply_law.
 
-    Secant stiffness, overlap rate, slip rate, its b, the spring a step before, as it would be and as
-    it is, normal force, tangential force, power of the normal and tangential dashpots, whether it
-    slides.
+    Secant stiffness, overlap rate, slip rate, its b, the spring a step before, as it would be and
+    as it is, normal force, tangential force, power of the normal and tangential dashpots, and
+    whether it slides (1.0 or 0.0).
     """
     rate = -dot(velocity, normal)
     slip_rate = add(velocity, scale(rate, normal))
@@ -112,7 +113,9 @@ def met(law, hertz, mass, normal, overlap, velocity, history, i, dt):
 
 
 @njit
-def pushed(law, hertz, mass, normal, overlap, velocity, history, books, i, which, counts, limit, dt):
+def pushed(
+    law, hertz, mass, normal, overlap, velocity, history, books, i, which, counts, limit, dt
+):
     """The force [N] of such a contact on the other, and its couple normal x force [N].
 
     Its history goes on, and what it dissipates is entered into the books (columns, n) of sphere i,
@@ -148,26 +151,6 @@ def pushed(law, hertz, mass, normal, overlap, velocity, history, books, i, which
 
 
 @njit
-def between(x, u, w, i, j, distance):
-    """Normal from sphere i to j, overlap [m], arm of i [m] and the velocity of j's surface there."""
-    separation = add(three(x[j]), scale(-1.0, three(x[i])))
-    normal = scale(1.0 / distance, separation)
-    overlap = max(x[i, 3] + x[j, 3] - distance, 0.0)
-    half = 0.5 * overlap
-    arms = add(scale(x[i, 3] - half, three(w[i])), scale(x[j, 3] - half, three(w[j])))
-    moving = add(three(u[j]), scale(-1.0, three(u[i])))
-    velocity = add(moving, scale(-1.0, cross(arms, normal)))
-    return normal, overlap, x[i, 3] - half, velocity
-
-
-@njit
-def hertz_of_pair(law, x, u, i, j):
-    """(4/3) E sqrt(R) [N/m^1.5] and the reduced mass [kg] of two spheres."""
-    radius = x[i, 3] * x[j, 3] / (x[i, 3] + x[j, 3])
-    return law.hertz * math.sqrt(radius), 1.0 / (u[i, 3] + u[j, 3])
-
-
-@njit
 def distance_of(x, i, j):
     """Square of the distance of two spheres [m2]."""
     a, b, c = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
@@ -185,58 +168,88 @@ def to_wall(slots, s, w, point):
         inwards = three(plane)
         return dot(inwards, point) - plane[3], scale(-1.0, inwards), 0.0
     numbers = slots.numbers[s]
-    distance, normal, mean = _to_round(
-        Round(numbers[ROUND]), 0, point[0], point[1], point[2]
-    )  # fmt: skip
+    distance, normal, mean = _to_round(Round(numbers[ROUND]), 0, point[0], point[1], point[2])
     return distance, normal, numbers[CURVED] / mean
 
 
 @njit
-def at_wall(law, x, u, w, i, normal, distance, bend, speed):
-    """Hertz's constant and mass of a sphere at a wall, the overlap, the velocity of the wall."""
-    radius = x[i, 3] / (1.0 - x[i, 3] * bend)
+def touching(slots, s, in_use, i, point):
+    """The contacts of sphere i that touch or did a step ago, as bits: neighbours, then walls.
+
+    point: its centre in the enclosure. Threads whose spheres touch other entries of their lists
+    then work their first, second, ... contacts at once.
+    """
+    x, near = slots.position[s], slots.near[s, in_use]
+    bits, room = slots.lasting[s, i], len(near)
+    for k in range(slots.listed[s, in_use, i]):
+        cutoff = x[i, 3] + x[near[k, i], 3]
+        if distance_of(x, i, near[k, i]) < _ROUNDING * (cutoff * cutoff):
+            bits |= np.int64(1) << np.int64(k)
+    for w in range(slots.clock[s, WALLS]):
+        if to_wall(slots, s, w, point)[0] < x[i, 3]:
+            bits |= np.int64(1) << np.int64(room + w)
+    return bits
+
+
+@njit
+def meeting(slots, s, in_use, i, k, point, speed):
+    """Contact k of sphere i: 1 of a wall, else 0; 1.0 where it counts, 0.0 from its second sphere.
+
+    Then the normal, the overlap [m], the arm [m] from the centre of i, and the velocity [m/s] of
+    the other surface relative to its own; speed: the enclosure's.
+    """
+    x, u, w, near = (
+        slots.position[s],
+        slots.velocity_now[s],
+        slots.spin_now[s],
+        slots.near[s, in_use],
+    )
+    if k < len(near):
+        j = near[k, i]
+        separation = add(three(x[j]), scale(-1.0, three(x[i])))
+        distance = math.sqrt(dot(separation, separation))
+        normal = scale(1.0 / distance, separation)
+        overlap = max(x[i, 3] + x[j, 3] - distance, 0.0)
+        arm = x[i, 3] - 0.5 * overlap
+        rim = add(scale(arm, three(w[i])), scale(x[j, 3] - 0.5 * overlap, three(w[j])))
+        moving = add(three(u[j]), scale(-1.0, three(u[i])))
+        counts = 1.0 if i < j else 0.0
+        return 0, counts, normal, overlap, arm, add(moving, scale(-1.0, cross(rim, normal)))
+    arm, normal, _ = to_wall(slots, s, k - len(near), point)
     moving = add(speed, scale(-1.0, three(u[i])))
-    velocity = add(moving, scale(-distance, cross(three(w[i]), normal)))
-    overlap = max(x[i, 3] - distance, 0.0)
-    return law.hertz * math.sqrt(radius), 1.0 / u[i, 3], overlap, velocity
+    rim = scale(arm, three(w[i]))
+    velocity = add(moving, scale(-1.0, cross(rim, normal)))
+    return 1, 1.0, normal, max(x[i, 3] - arm, 0.0), arm, velocity
 
 
 @njit
 def load_sphere(slots, s, in_use, i, shift, speed):
     """Write the force and torque on sphere i; shift and speed are the enclosure's."""
-    x, u, w = slots.position[s], slots.velocity_now[s], slots.spin_now[s]
-    books, numbers, near = slots.books[s], slots.numbers[s], slots.near[s, in_use]
+    books, numbers, room = slots.books[s], slots.numbers[s], slots.near.shape[2]
     dt = numbers[TIME_STEP]
-    law = law_in(slots.laws[s, 0])
     force, torque = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    for k in range(slots.listed[s, in_use, i]):
-        j = near[k, i]
-        history = slots.history[s, in_use, k]
-        square, cutoff = distance_of(x, i, j), x[i, 3] + x[j, 3]
-        if square < _ROUNDING * (cutoff * cutoff) or history[DAMPING, i] >= 0.0:
-            normal, overlap, arm, velocity = between(x, u, w, i, j, math.sqrt(square))
-            hertz, mass = hertz_of_pair(law, x, u, i, j)
-            counts = 1.0 if i < j else 0.0
-            push, couple = pushed(law, hertz, mass, normal, overlap, velocity, history, books, i, 0,
-                                  counts, numbers[YIELDS], dt)  # fmt: skip
-            force = add(force, scale(-1.0, push))
-            torque = add(torque, scale(-arm, couple))
-    law = law_in(slots.laws[s, 1])
-    point = add(three(x[i]), scale(-1.0, shift))
-    for wall in range(slots.clock[s, WALLS]):
-        distance, normal, bend = to_wall(slots, s, wall, point)
-        history = slots.wall_history[s, wall]
-        if distance < x[i, 3] or history[DAMPING, i] >= 0.0:
-            hertz, mass, overlap, velocity = at_wall(
-                law, x, u, w, i, normal, distance, bend, speed
-            )  # fmt: skip
-            push, couple = pushed(law, hertz, mass, normal, overlap, velocity, history, books, i, 1,
-                                  1.0, numbers[YIELDS + 1], dt)  # fmt: skip
-            force = add(force, scale(-1.0, push))
-            torque = add(torque, scale(-distance, couple))
+    point = add(three(slots.position[s, i]), scale(-1.0, shift))
+    bits, lasting, k = touching(slots, s, in_use, i, point), np.int64(0), 0
+    while bits != 0:
+        while bits & 1 == 0:
+            bits, k = bits >> 1, k + 1
+        which, counts, normal, overlap, arm, velocity = meeting(
+            slots, s, in_use, i, k, point, speed
+        )
+        law, constants = law_in(slots.laws[s, which]), slots.constants[s, in_use, k]
+        push, couple = pushed(
+            law, constants[0, i], constants[1, i], normal, overlap, velocity,
+            slots.history[s, in_use, k], books, i, which, counts, numbers[YIELDS + which], dt,
+        )  # fmt: skip
+        force = add(force, scale(-1.0, push))
+        torque = add(torque, scale(-arm, couple))
+        if which == 1:
             books[WALL_WORK, i] -= dt * dot(push, speed)
             for c in range(3):
-                books[WALL_FORCE + 3 * wall + c, i] += push[c]
+                books[WALL_FORCE + 3 * (k - room) + c, i] += push[c]
+        lasting |= np.int64(overlap > 0.0) << np.int64(k)
+        bits, k = bits >> 1, k + 1
+    slots.lasting[s, i] = lasting
     put_column(slots.load[s], 0, i, force)
     put_column(slots.load[s], 3, i, torque)
 
@@ -271,29 +284,48 @@ def list_sphere(slots, s, old, i):
 
     All spheres are looked at: of some hundred it takes less than to sort them into cells.
     """
-    x, skin, new = slots.position[s], slots.numbers[s, SKIN], 1 - old
-    near, before = slots.near[s, new], slots.near[s, old]
-    n = kept = 0
+    x, u, new, room = slots.position[s], slots.velocity_now[s], 1 - old, slots.near.shape[2]
+    near, before, skin = slots.near[s, new], slots.near[s, old], slots.numbers[s, SKIN]
+    constants, n_before = slots.constants[s, new], slots.listed[s, old, i]
+    n, kept, lasting = 0, 0, np.int64(0)
     for j in range(slots.clock[s, SPHERES]):
-        reach = x[i, 3] + x[j, 3] + skin
+        both = x[i, 3] + x[j, 3]
         square = distance_of(x, i, j)
-        if square < reach * reach and j != i:
-            if n == len(near):
+        if square < (both + skin) * (both + skin) and j != i:
+            if n == room:
                 return INNER_FULL
-            deep = (1.0 - DEEPEST) * (x[i, 3] + x[j, 3])
-            if square < deep * deep:
+            if square < (1.0 - DEEPEST) * (1.0 - DEEPEST) * both * both:
                 return TOO_DEEP
             near[n, i] = j
-            while kept < slots.listed[s, old, i] and before[kept, i] < j:
+            while kept < n_before and before[kept, i] < j:
                 kept += 1
-            lasts = kept < slots.listed[s, old, i] and before[kept, i] == j
-            for h in range(N_HISTORY):
-                was = slots.history[s, old, kept, h, i] if lasts else 0.0
-                slots.history[s, new, n, h, i] = was
-            if not lasts:
-                slots.history[s, new, n, DAMPING, i] = NO_CONTACT
+            lasts = kept < n_before and before[kept, i] == j
+            lasting |= hand_on(slots, s, old, kept if lasts else -1, n, i)
+            constants[n, 0, i] = slots.laws[s, 0, 0] * math.sqrt(x[i, 3] * x[j, 3] / both)
+            constants[n, 1, i] = 1.0 / (u[i, 3] + u[j, 3])
             n += 1
     slots.listed[s, new, i] = n
+    for w in range(slots.clock[s, WALLS]):
+        lasting |= hand_on(slots, s, old, room + w, room + w, i)
+        bend = to_wall(slots, s, w, three(x[i]))[2]
+        radius = x[i, 3] / (1.0 - x[i, 3] * bend)
+        constants[room + w, 0, i] = slots.laws[s, 1, 0] * math.sqrt(radius)
+        constants[room + w, 1, i] = 1.0 / u[i, 3]
+    slots.lasting[s, i] = lasting
     for c in range(3):
         slots.seen[s, c, i] = x[i, c]
-    return DONE if x[i, 0] + x[i, 1] + x[i, 2] < np.inf else TOO_DEEP
+    return DONE if x[i, 0] + x[i, 1] + x[i, 2] < np.inf else NOT_FINITE
+
+
+@njit
+def hand_on(slots, s, old, k, n, i):
+    """Give contact n of the new list of sphere i the history of contact k of the old; -1: none.
+
+    Its bit, where it touched a step ago.
+    """
+    before, after = slots.history[s, old], slots.history[s, 1 - old]
+    for h in range(N_HISTORY):
+        after[n, h, i] = before[k, h, i] if k >= 0 else 0.0
+    if k < 0:
+        after[n, DAMPING, i] = NO_CONTACT
+    return np.int64(after[n, DAMPING, i] >= 0.0) << np.int64(n)
