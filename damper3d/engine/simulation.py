@@ -100,10 +100,17 @@ class Simulation:
         finite or an overlap is beyond belief.
         """
         rows = self.room(n_samples)
+        self.fill(rows)
+        if not np.isfinite(rows).all():
+            raise self.failure("the state is no longer finite")
+        return self.named(rows)
+
+    def fill(self, rows: np.ndarray) -> None:
+        """Go on by a sample for each row of `room`, and write them."""
         done, at_a_time = 0, self.steps_at_a_time() // self.steps_per_sample
-        while done < n_samples:
+        while done < len(rows):
             if not at_a_time:  # a sample takes long
-                self._sample_by_parts(rows[done])
+                self.end_sample(rows[done], 0)
                 done += 1
                 continue
             filled, over, outcome = sampling.advance_sampling(
@@ -112,12 +119,8 @@ class Simulation:
             done += filled
             if outcome != DONE:  # in the middle of a sample: make room, and go on to its end
                 self.answer(outcome)
-                self.step(self.steps_per_sample - over)
-                self.write_sample(rows[done])
+                self.end_sample(rows[done], over)
                 done += 1
-        if not np.isfinite(rows).all():
-            raise self.failure("the state is no longer finite")
-        return self.named(rows)
 
     def room(self, n_samples: int) -> np.ndarray:
         """Room for samples."""
@@ -150,8 +153,9 @@ class Simulation:
         """Steps of a call of the kernels, which hear no Ctrl-C."""
         return max(_AT_A_TIME // len(self.world.spheres.inverse_mass), 1)
 
-    def _sample_by_parts(self, row: np.ndarray) -> None:
-        self.step(self.steps_per_sample)
+    def end_sample(self, row: np.ndarray, taken: int) -> None:
+        """Go on to the end of a sample of which so many steps are taken, and write it."""
+        self.step(self.steps_per_sample - taken)
         self.write_sample(row)
 
     def write_sample(self, row: np.ndarray) -> None:

@@ -57,8 +57,58 @@ def threads_for(n_spheres: int) -> int:
     return min(-(-n_spheres // _WARP) * _WARP, _THREADS)
 
 
-def to_device(slots: Slots) -> Slots:
-    """The slots as arrays of the device."""
-    from numba import cuda
+class Gpu:
+    """The slots on a GPU, one block of threads each: see batch.Device.
 
-    return Slots(*(cuda.to_device(array) for array in slots))
+    All calls are to come from one thread, as the device's context is that thread's.
+    """
+
+    def __init__(self, slots: Slots) -> None:
+        self._sizes = slots
+        self._slots: Slots | None = None
+        self._kernel = kernel()
+        self._threads = threads_for(slots.position.shape[1])
+
+    def _arrays(self) -> Slots:
+        """The device's arrays; made at the first call, by the thread that works with them."""
+        from numba import cuda
+
+        if self._slots is None:
+            self._slots = Slots(*(cuda.device_array(a.shape, a.dtype) for a in self._sizes))
+        return self._slots
+
+    def bring(self, s: int, one: Slots) -> None:
+        """Take over slot s from the arrays of a single slot."""
+        for name, array in one._asdict().items():
+            if name not in _SCRATCH:
+                getattr(self._arrays(), name)[s].copy_to_device(array[0])
+
+    def go_on(self, clock: np.ndarray, which: np.ndarray, most: int) -> None:
+        """Let these slots go on for so many steps at most; their rows of `clock` follow."""
+        from numba import cuda
+
+        slots = self._arrays()
+        slots.clock.copy_to_device(clock)
+        self._kernel[len(which), self._threads](slots, cuda.to_device(which), most)
+        slots.clock.copy_to_host(clock)
+
+    def fetch(self, slots: Slots, names: tuple[str, ...]) -> None:
+        """Bring the named arrays of all slots into those of the host."""
+        for name in names:
+            getattr(self._arrays(), name).copy_to_host(getattr(slots, name))
+
+
+# Arrays that need not be brought: the loop writes them before it reads them.
+_SCRATCH = ("load", "seen", "drift", "constants", "parts", "rows")
+
+
+def missing() -> str | None:
+    """What is missing for a GPU, in words; None where there is one."""
+    try:
+        from numba import cuda
+    except ImportError:
+        return "the package numba-cuda"
+    try:
+        return None if cuda.is_available() else "an NVIDIA GPU with its driver"
+    except Exception as error:
+        return f"a driver that answers ({error})"

@@ -115,12 +115,27 @@ def nothing_to_wait_for() -> None:
     """For the only thread of a slot."""
 
 
-def alone() -> Any:
-    """The loop of a slot's only thread, compiled for the processor."""
-    return njit(advancing(njit(nothing_to_wait_for)))
+class Processor:
+    """The slots worked by the processor, one after the other by one thread: see batch.Device."""
 
+    def __init__(self, slots: Slots) -> None:
+        self._slots = Slots(*(array.copy() for array in slots))
+        self._advance = njit(advancing(njit(nothing_to_wait_for)))
 
-def go_on(slots: Slots, advance: Any, most: int) -> None:
-    """Let all slots go on for so many steps at most, one after the other."""
-    for s in np.flatnonzero(slots.clock[:, WRITTEN] < slots.clock[:, WANTED]):
-        advance(slots, s, 0, 1, most)
+    def bring(self, s: int, one: Slots) -> None:
+        """Take over slot s from the arrays of a single slot."""
+        for own, array in zip(self._slots, one, strict=True):
+            if own is not self._slots.rows:
+                own[s] = array[0]
+
+    def go_on(self, clock: np.ndarray, which: np.ndarray, most: int) -> None:
+        """Let these slots go on for so many steps at most; their rows of `clock` follow."""
+        self._slots.clock[:] = clock
+        for s in which:
+            self._advance(self._slots, s, 0, 1, most)
+        clock[which] = self._slots.clock[which]
+
+    def fetch(self, slots: Slots, names: tuple[str, ...]) -> None:
+        """Bring the named arrays of all slots into those of the host."""
+        for name in names:
+            getattr(slots, name)[:] = getattr(self._slots, name)

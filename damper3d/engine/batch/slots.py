@@ -71,6 +71,11 @@ class Slots(NamedTuple):
     rows: np.ndarray  # (n_slots, r, N_COLUMNS + N_BALANCE + 3 w) samples
 
 
+# What says where a damper is: the arrays that `take` reads.
+MOVING = ("position", "velocity_now", "spin_now", "velocity", "spin", "listed", "near", "history",
+          "books")  # fmt: skip
+
+
 def reason_against(sim: Simulation) -> str | None:
     """What a simulation has that slots do not, in words; None where it can have one."""
     world = sim.world
