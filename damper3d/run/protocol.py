@@ -15,6 +15,7 @@ from damper3d.case.plan import compiling, expected_stages
 from damper3d.engine.multisphere.form import Unlike, form_of
 from damper3d.engine.simulation import Together
 from damper3d.measures.phases.criteria import phase_of_run
+from damper3d.run.device import joined, left
 from damper3d.run.fill import fill, resting
 from damper3d.run.folders import shaken
 from damper3d.run.packing import REFILLED, Packing, load_packing, packing_folder, save_packing
@@ -49,7 +50,12 @@ def _compute(
     packings = [get_packing(one, root, stages, stop, warn) for one in case.dampers or (case,)]
     dampers = _start_or_resume(folder, case, packings, warn)
     lead = dampers[case.number]
-    vibrate(lead, dampers, stages, stop)
+    try:
+        vibrate(lead, dampers, stages, stop)
+    finally:
+        devices = [left(one.sim) for one in dampers]
+    if devices[case.number]:
+        folder.write_provenance({**folder.read_provenance(), "device": devices[case.number]})
     stages.finish("shaking")
     stages.hedge = ""
     ended = [_end(one, packing) for one, packing in zip(dampers, packings, strict=True)]
@@ -124,7 +130,7 @@ def _start_or_resume(
         place = folder if is_lead else folder_beside(folder, case, k)
         writer = TrajectoryWriter(place.path, parts=own.parts)
         writer.write_static(*describe(one, packing))
-        dampers.append(Shaken(case if is_lead else one, sim, own, place, writer))
+        dampers.append(Shaken(case if is_lead else one, joined(sim), own, place, writer))
     return dampers
 
 

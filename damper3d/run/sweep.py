@@ -13,6 +13,7 @@ from damper3d.case.host.several import OWN
 from damper3d.case.plan import disk_at_most, expected_cpu_s
 from damper3d.case.settings import Damper, Settings
 from damper3d.engine import ENGINE
+from damper3d.run.device import on_device
 from damper3d.run.packing import load_packing, packing_folder
 from damper3d.run.protocol import PACKAGES, get_packing, read_finished, run, run_digest
 from damper3d.run.result import Result
@@ -107,6 +108,7 @@ DAMPER = Simulator(
     packages=PACKAGES,
     quantities=QUANTITIES,
     compiled=partial(already_compiled, ENGINE),
+    device=on_device,
 )
 
 

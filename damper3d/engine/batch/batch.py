@@ -2,6 +2,7 @@
 
 import queue
 import threading
+from collections import Counter
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, Protocol
@@ -12,10 +13,12 @@ from damper3d.engine.batch.slots import (
     INTO,
     MOVING,
     OUTCOME,
+    TOO_MANY_NEIGHBOURS,
     WANTED,
     WRITTEN,
     Slots,
     empty,
+    lacks_room,
     put,
     reason_against,
     take,
@@ -53,10 +56,14 @@ class _Request:
 
 
 class Batch:
-    """Slots on a device, and the thread that serves it."""
+    """Slots on a device of a name, and the thread that serves it.
 
-    def __init__(self, device: Device, slots: Slots) -> None:
-        self.device, self.slots = device, slots
+    refused: how many simulations it could not take, by why, in words.
+    """
+
+    def __init__(self, device: Device, slots: Slots, name: str = "") -> None:
+        self.device, self.slots, self.name = device, slots, name
+        self.refused: Counter[str] = Counter()
         self._free = list(range(len(slots.clock)))
         self._asked: queue.SimpleQueue[_Request | None] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._serve, daemon=True)
@@ -69,19 +76,15 @@ class Batch:
 
     def join(self, sim: Simulation) -> int | None:
         """Bring a simulation into a slot; its number, None where there is no room for it."""
-        slots, world = self.slots, sim.world
-        if (
-            reason_against(sim) is not None
-            or sim.n_particles > slots.position.shape[1]
-            or len(world.walls.force) > slots.planes.shape[1]
-            or len(world.shaker.amplitude) > slots.sines.shape[2]
-        ):
-            return None
-        one = empty(1, slots.position.shape[1], slots.planes.shape[1],
-                    n_sines=slots.sines.shape[2], room=slots.near.shape[2], rows=1)  # fmt: skip
-        if not put(one, 0, sim, 0):
-            return None
-        slot: int | None = self._ask(_Request(one=one))
+        slots, sizes = self.slots, self.slots.position.shape
+        one = empty(1, sizes[1], slots.planes.shape[1], n_sines=slots.sines.shape[2],
+                    room=slots.near.shape[2], rows=1)  # fmt: skip
+        why = reason_against(sim) or lacks_room(one, sim)
+        if why is None and not put(one, 0, sim, 0):
+            why = TOO_MANY_NEIGHBOURS
+        slot: int | None = None if why else self._ask(_Request(one=one))
+        if slot is None:
+            self.refused[why or "all slots were taken"] += 1
         return slot
 
     def leave(self, s: int) -> None:
@@ -187,8 +190,10 @@ class Batched(Simulation):
     """
 
     def __init__(self, sim: Simulation, batch: Batch) -> None:
-        self._batch, self._slot, self._stale, self._alone = batch, -1, False, False
+        self._batch, self._slot = batch, -1
+        self._stale = self._alone = self._went = False
         super().__init__(sim.world, sim.steps_per_sample)
+        self._counts_impacts = sim._counts_impacts
 
     @property
     def world(self) -> World:
@@ -210,10 +215,11 @@ class Batched(Simulation):
         done = 0
         while done < len(rows) and not self._alone:
             new = self._batch.run(self._slot, len(rows) - done)
-            self._stale = True
+            self._stale = self._went = True
             rows[done : done + len(new)] = new[:, : rows.shape[1]]
             done += len(new)
             if not self._batch.can_go_on(self._slot):
+                self._batch.refused[TOO_MANY_NEIGHBOURS] += 1
                 taken = self._batch.steps_over(self._slot)
                 self.leave()
                 self.end_sample(rows[done], taken)
@@ -221,9 +227,13 @@ class Batched(Simulation):
         if done < len(rows):
             super().fill(rows[done:])
 
-    def leave(self) -> None:
-        """Fetch the state and free the slot; what follows is done here."""
+    def leave(self) -> str | None:
+        """Fetch the state and free the slot; the name of the device, None where it was not there.
+
+        What follows is done here.
+        """
         if self._slot >= 0:
             self._world = self.world
             self._batch.leave(self._slot)
         self._slot, self._alone = -1, True
+        return self._batch.name if self._went else None

@@ -112,3 +112,14 @@ def missing() -> str | None:
         return None if cuda.is_available() else "an NVIDIA GPU with its driver"
     except Exception as error:
         return f"a driver that answers ({error})"
+
+
+def name() -> str:
+    """The name of the GPU, and the version of the package that speaks to it."""
+    from importlib.metadata import version
+
+    from numba import cuda
+
+    found = cuda.get_current_device().name
+    words = found.decode() if isinstance(found, bytes) else found
+    return f"{words}, numba-cuda {version('numba-cuda')}"

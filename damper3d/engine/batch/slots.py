@@ -76,6 +76,9 @@ MOVING = ("position", "velocity_now", "spin_now", "velocity", "spin", "listed", 
           "books")  # fmt: skip
 
 
+TOO_MANY_NEIGHBOURS = "a particle has more neighbours than a slot holds, or overlaps too much"
+
+
 def reason_against(sim: Simulation) -> str | None:
     """What a simulation has that slots do not, in words; None where it can have one."""
     world = sim.world
@@ -89,6 +92,17 @@ def reason_against(sim: Simulation) -> str | None:
         "walls that move each by itself": world.walls.drive is not None,
     }
     return next((words for words, has in lacking.items() if has), None)
+
+
+def lacks_room(slots: Slots, sim: Simulation) -> str | None:
+    """What a simulation has more of than slots hold, in words; None where they hold it."""
+    world = sim.world
+    lacking = {
+        "more particles": sim.n_particles > slots.position.shape[1],
+        "more walls": len(world.walls.force) > slots.planes.shape[1],
+        "more sines in its motion": len(world.shaker.amplitude) > slots.sines.shape[2],
+    }
+    return next((f"{words} than a slot holds" for words, has in lacking.items() if has), None)
 
 
 def empty(

@@ -62,13 +62,16 @@ def command_group(commands: Sequence[click.Command], purpose: str) -> click.Grou
     return app
 
 
+ENGINES = ["processes", "dask", "cuda"]
+
+
 def engine_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Options that say what computes many runs: --workers, --engine, --scheduler."""
     for option in (
         click.option("--scheduler", metavar="ADDRESS", help="A Dask cluster: tcp://127.0.0.1:8786"),
         click.option(
             "--engine",
-            type=click.Choice(["processes", "dask"]),
+            type=click.Choice(ENGINES),
             default="processes",
             help="Where the runs go [default: processes of this machine].",
         ),

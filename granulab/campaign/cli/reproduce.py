@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import click
 
-from granulab.campaign.cli.commandline import Ended, json_option, out_option, quiet_option
+from granulab.campaign.cli.commandline import (
+    ENGINES,
+    Ended,
+    json_option,
+    out_option,
+    quiet_option,
+)
 from granulab.errors import InputError
 
 if TYPE_CHECKING:
@@ -61,7 +67,7 @@ def reproduce_command(
     )
     @click.option("--add", is_flag=True, help="Keep rows that csv has, and run what it lacks.")
     @click.option("--workers", type=int, metavar="N", help="Runs at a time [default: all cores].")
-    @click.option("--engine", type=click.Choice(["processes", "dask"]), help="What runs them.")
+    @click.option("--engine", type=click.Choice(ENGINES), help="What runs them.")
     @click.option("--scheduler", metavar="tcp://HOST:PORT", help="Of a Dask cluster.")
     @quiet_option
     @json_option

@@ -102,11 +102,12 @@ def run_tasks(
     """Call function(task, stop) for every task and return the outcomes in their order.
 
     `needs` gives, by index, the task that must be done before another starts. `engine` is
-    "processes" (`workers` of them, one per core by default) or "dask" (the cluster whose
-    `scheduler` has this address). After Ctrl-C, SIGTERM or the loss of the scheduler, what did
-    not end is "interrupted": tasks have half a second to keep their state; processes that go on
-    (they compile, grow particles, or have long frames) are killed, and go on from their last
-    checkpoint the next time. Raises EngineError where the engine cannot start.
+    "processes" (`workers` of them, one per core by default), "threads" of this process, for tasks
+    that wait for a device, or "dask" (the cluster whose `scheduler` has this address). After
+    Ctrl-C, SIGTERM or the loss of the scheduler, what did not end is "interrupted": tasks have half
+    a second to keep their state; processes that go on (they compile, grow particles, or have long
+    frames) are killed, and go on from their last checkpoint the next time. Raises EngineError where
+    the engine cannot start.
     """
     work = _Work(function, tasks, needs or {})
     reason, asked = "not started", 0.0
@@ -149,12 +150,16 @@ def _pool(engine: str, workers: int | None, scheduler: str | None, n_tasks: int)
                 "engine dask needs the address of its scheduler, such as tcp://127.0.0.1:8786"
             )
         return DaskCluster(scheduler)
-    if engine != "processes":
+    if engine not in ("processes", "threads"):
         raise EngineError(f"engine {engine!r}: known: processes, dask")
     if scheduler is not None:
         raise EngineError(f"scheduler {scheduler}: goes with engine dask")
     if workers is not None and workers < 1:
         raise EngineError(f"workers = {workers}: must be at least 1")
+    if engine == "threads":
+        from granulab.campaign.sweeps.threads import Threads
+
+        return Threads(max(min(workers or _cores(), n_tasks), 1))
     from granulab.campaign.sweeps.processes import Processes
 
     return Processes(max(min(workers or _cores(), n_tasks), 1))

@@ -9,7 +9,7 @@ import dataclasses
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -23,7 +23,7 @@ from granulab.campaign.runs.provenance import Sources, to_stderr
 from granulab.campaign.runs.stages import in_words
 from granulab.campaign.sweeps.engine import Tally, run_tasks
 from granulab.campaign.sweeps.report.quantities import Quantities
-from granulab.campaign.sweeps.task import Function, Outcome
+from granulab.campaign.sweeps.task import EngineError, Function, Outcome
 from granulab.errors import Failed, FolderError, InputError, SimulationError
 
 _TRUSTED = 1.0  # [s] of runs, from which on their cost is rather measured than expected
@@ -61,6 +61,8 @@ class Simulator:
     packages       distributions whose versions matter to the last bit
     quantities     numbers and endings by which a study compares its runs
     compiled       whether its kernels are; what is not compiled yet delays the first runs
+    device         within it `work` of some cases goes to a GPU, from threads: so many at once;
+                   EngineError where there is no GPU. None: it has none
     """
 
     name: str
@@ -77,6 +79,7 @@ class Simulator:
     quantities: Quantities = field(default_factory=Quantities)
     compiled: Callable[[], bool] = lambda: True
     disk_at_most: Callable[[Any], Mapping[str, int]] = lambda case: {}
+    device: Callable[[Sequence[Any]], AbstractContextManager[int]] | None = None
 
     @property
     def means(self) -> tuple[str, ...]:
@@ -153,7 +156,8 @@ def run_labelled(
         if len(tasks) > len(missing):
             title += f", {len(tasks) - len(missing)} packings"
         costs = [_expected(simulator, task) for task in tasks]
-        with Progress(title, quiet=quiet, estimates=False) as bar:
+        place = _place(simulator, list(missing.values()), engine, workers)
+        with place as (engine, workers), Progress(title, quiet=quiet, estimates=False) as bar:
             outcomes = run_tasks(
                 simulator.work, tasks, needs=needs, engine=engine, workers=workers,
                 scheduler=scheduler, report=lambda tally: bar.update(*_words(tally, before, costs)),
@@ -165,6 +169,20 @@ def run_labelled(
         _row(labels, folder.path, ended[folder.path])
         for folder, (labels, _) in zip(folders, cases, strict=True)
     ]
+
+
+@contextmanager
+def _place(
+    simulator: Simulator, cases: Sequence[Any], engine: str, workers: int | None
+) -> Iterator[tuple[str, int | None]]:
+    """The engine that works the tasks within, and by how many: on a device these are threads."""
+    if engine != "cuda":
+        yield engine, workers
+        return
+    if simulator.device is None:
+        raise EngineError(f"engine cuda: {simulator.name} knows no GPU; leave --engine out")
+    with simulator.device(cases) as at_once:
+        yield "threads", min(workers or at_once, at_once)
 
 
 def lacking(cases: Sequence[Labelled], known: Sequence[Row]) -> list[Labelled]:
