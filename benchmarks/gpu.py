@@ -81,8 +81,10 @@ def compared(gpu, cpu, n_packings: int) -> list[str]:
            for rows in (gpu, cpu)]  # fmt: skip
     ratio = eta[0].mean(axis=1) / eta[1].mean(axis=1)
     half = 1.96 * ratio.std(ddof=1) / np.sqrt(len(ratio))
-    lines = [f"efficiency, GPU over cores      {ratio.mean():.4f} +- {half:.4f} (mean of {len(ratio)} "
-             f"conditions, {n_packings} packings each; {ratio.min():.3f} to {ratio.max():.3f})"]  # fmt: skip
+    lines = [
+        f"efficiency, GPU over cores      {ratio.mean():.4f} +- {half:.4f}, {ratio.min():.3f} to "
+        f"{ratio.max():.3f} (of {len(ratio)} conditions, {n_packings} packings each)"
+    ]
     if n_packings > 1:
         scatter = np.sqrt((eta[0].var(axis=1, ddof=1) + eta[1].var(axis=1, ddof=1)) / n_packings)
         off = np.abs(eta[0].mean(axis=1) - eta[1].mean(axis=1)) / np.maximum(scatter, 1e-12)
@@ -121,7 +123,6 @@ def table(options: argparse.Namespace) -> list[str]:
         cpu, cpu_s = timed("cores", sweep.DAMPER, cases, out[1])
     same = all(a["state_digest"] == b["state_digest"]
                for a, b in zip(gpu[part], again, strict=True))  # fmt: skip
-    mean = done / len(cases)
     return [
         f"machine                         {platform.processor() or platform.machine()}, "
         f"{os.cpu_count()} cores; {name}",
@@ -130,10 +131,9 @@ def table(options: argparse.Namespace) -> list[str]:
         f"GPU, whole sweep                {gpu_s:.1f} s, {done / gpu_s:.2e} particle-steps/s",
         f"GPU, kernel alone               {worked:.1f} s, {done / worked:.2e} particle-steps/s",
         f"cores, whole sweep              {cpu_s:.1f} s, {done / cpu_s:.2e} particle-steps/s",
-        f"GPU over cores                  {cpu_s / gpu_s:.2f} of the sweep, {cpu_s / worked:.2f} of "
-        "the kernel",
-        f"chapter's {CHAPTER:,} runs as these   {CHAPTER * mean / done * gpu_s / 60:.1f} min, of which "
-        f"{CHAPTER * mean / done * worked / 60:.1f} min in the kernel",
+        f"cores over GPU, time            {cpu_s / gpu_s:.2f} whole, {cpu_s / worked:.2f} kernel",
+        f"{CHAPTER:,} runs as these (chapter) {CHAPTER * gpu_s / len(cases) / 60:.1f} min, of which "
+        f"{CHAPTER * worked / len(cases) / 60:.1f} min in the kernel",
         f"repeated on the GPU             {len(again)} runs, "
         f"{'the same digests' if same else 'OTHER DIGESTS'}",
         *compared(gpu, cpu, options.packings),

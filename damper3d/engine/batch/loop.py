@@ -21,6 +21,7 @@ from damper3d.engine.batch.slots import (
     WANTED,
     WRITTEN,
     Slots,
+    slot_of,
 )
 from damper3d.engine.batch.step import list_sphere, load_sphere, move_sphere, three
 from damper3d.engine.motions import sines
@@ -33,21 +34,21 @@ _OVER = 32  # spheres over which the mean velocity of the bed is taken, about
 
 
 @njit
-def enclosure_of(slots, s, time):
+def enclosure_of(one, time):
     """Displacement [m] and velocity [m/s] of an enclosure along its direction, at a time."""
-    rows = slots.sines[s]
-    motion = Sines(rows[0], rows[1], rows[2], slots.numbers[s, RAMP])
+    rows = one.sines
+    motion = Sines(rows[0], rows[1], rows[2], one.numbers[RAMP])
     return sines.displacement(motion, time), sines.velocity(motion, time)
 
 
 @njit
-def mean_velocity(slots, s, c):
+def mean_velocity(one, c):
     """Mean of a component of the velocity of some spheres, evenly chosen, for a list's drift."""
-    n = slots.clock[s, SPHERES]
+    n = one.clock[SPHERES]
     every = (n + _OVER - 1) // _OVER
     summed, counted = 0.0, 0.0
     for i in range(0, n, every):
-        summed += slots.velocity_now[s, i, c]
+        summed += one.velocity_now[i, c]
         counted += 1.0
     return summed / counted
 
@@ -59,48 +60,52 @@ def advancing(wait: Any) -> Any:
     that are wanted are written, or where a list has no room or a state is beyond belief, which
     OUTCOME then says: nothing has been changed since the last step.
     """
+    view = njit(slot_of)
 
     def advance(slots, s, thread, n_threads, most):
-        clock, numbers = slots.clock[s], slots.numbers[s]
-        n, dt = clock[SPHERES], numbers[TIME_STEP]
+        one = view(slots, s)
+        clock, numbers = one.clock, one.numbers
+        dt = numbers[TIME_STEP]
+        # Unsigned: numba then need not look for negative ones at each entry of an array.
+        own = np.uintp(thread), np.uintp(clock[SPHERES]), np.uintp(n_threads)
         step, into, written = clock[STEP], clock[INTO], clock[WRITTEN]
         in_use, made = clock[IN_USE], clock[MADE]
         direction = three(numbers[DIRECTION : DIRECTION + 3])
         n_columns = N_COLUMNS + N_BALANCE + 3 * clock[WALLS]
-        along, rate = enclosure_of(slots, s, step * dt)
+        along, rate = enclosure_of(one, step * dt)
         wait()
         while True:
             if clock[LEFT] == step:
-                for i in range(thread, n, n_threads):
-                    outcome = list_sphere(slots, s, in_use, i)
+                for i in range(own[0], own[1], own[2]):
+                    outcome = list_sphere(one, in_use, i)
                     if outcome != DONE:
                         clock[OUTCOME] = outcome
                 for c in range(thread, 3, n_threads):
-                    slots.drift[s, c] = mean_velocity(slots, s, c)
+                    one.drift[c] = mean_velocity(one, c)
                 wait()
                 if clock[OUTCOME] != DONE:
                     break
                 in_use, made = 1 - in_use, step
             shift, speed = scale(along, direction), scale(rate, direction)
             if into == clock[PER_SAMPLE]:
-                for i in range(thread, n, n_threads):
-                    note_parts(slots, s, in_use, i, shift, speed)
+                for i in range(own[0], own[1], own[2]):
+                    note_parts(one, in_use, i, shift, speed)
                 wait()
                 for c in range(thread, n_columns, n_threads):
-                    write_column(slots, s, c, written, step * dt, along, rate)
+                    write_column(one, c, written, step * dt, along, rate)
                 wait()
-                for i in range(thread, n, n_threads):
-                    forget(slots, s, i)
+                for i in range(own[0], own[1], own[2]):
+                    forget(one, i)
                 into, written = 0, written + 1
             if written == clock[WANTED] or most == 0:
                 break
-            for i in range(thread, n, n_threads):
-                load_sphere(slots, s, in_use, i, shift, speed)
+            for i in range(own[0], own[1], own[2]):
+                load_sphere(one, in_use, i, shift, speed)
             wait()
             step, into, most = step + 1, into + 1, most - 1
-            along, rate = enclosure_of(slots, s, step * dt)
-            for i in range(thread, n, n_threads):
-                if move_sphere(slots, s, i, step - made):
+            along, rate = enclosure_of(one, step * dt)
+            for i in range(own[0], own[1], own[2]):
+                if move_sphere(one, i, step - made):
                     clock[LEFT] = step
             wait()
         wait()

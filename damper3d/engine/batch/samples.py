@@ -1,5 +1,7 @@
 """Samples of a slot: what each sphere adds, and their sums, a thread a column."""
 
+import numpy as np
+
 from damper3d.engine.batch.slots import (
     GRAVITY,
     IMPACTS,
@@ -36,10 +38,10 @@ from granulab.contact.vectors import add, scale
 
 
 @njit
-def note_parts(slots, s, in_use, i, shift, speed):
+def note_parts(one, in_use, i, shift, speed):
     """Write what sphere i adds to the sample of now: energies, contacts, position and velocity."""
-    x, u, w, parts = slots.position[s], slots.velocity_now[s], slots.spin_now[s], slots.parts[s]
-    numbers, mass = slots.numbers[s], 1.0 / slots.velocity_now[s, i, 3]
+    x, u, w, parts = one.position, one.velocity_now, one.spin_now, one.parts
+    numbers, mass = one.numbers, 1.0 / one.velocity_now[i, 3]
     kinetic = potential = 0.0
     for c in range(3):
         kinetic += 0.5 * mass * u[i, c] ** 2 + 0.5 * w[i, c] ** 2 / w[i, 3]
@@ -50,20 +52,18 @@ def note_parts(slots, s, in_use, i, shift, speed):
     parts[0, i], parts[POTENTIAL - KINETIC, i] = kinetic, potential
     stored, pairs, at_walls = (0.0, 0.0), 0.0, 0.0
     point = add(three(x[i]), scale(-1.0, shift))
-    bits, k = touching(slots, s, in_use, i, point), 0
+    bits, k = touching(one, in_use, i, point), np.uintp(0)
     while bits != 0:
         if bits & 1:
-            which, counts, normal, overlap, _, velocity = meeting(
-                slots, s, in_use, i, k, point, speed
-            )
+            which, counts, normal, overlap, _, velocity = meeting(one, in_use, i, k, point, speed)
             if overlap > 0.0 and counts > 0.0:
-                constants = slots.constants[s, in_use, k]
-                law, history = law_in(slots.laws[s, which]), slots.history[s, in_use, k]
+                constants = one.constants[in_use, k]
+                law, history = law_in(one.laws[which]), one.history[in_use, k]
                 held = stored_in(law, constants[0, i], constants[1, i], normal, overlap, velocity,
                                  history, i, numbers[TIME_STEP])  # fmt: skip
                 stored = add(stored, held)
                 pairs, at_walls = pairs + (1.0 - which), at_walls + which
-        bits, k = bits >> 1, k + 1
+        bits, k = bits >> 1, k + np.uintp(1)
     parts[CONTACTS_PP - KINETIC, i], parts[CONTACTS_PW - KINETIC, i] = pairs, at_walls
     parts[ELASTIC_NORMAL - KINETIC, i], parts[ELASTIC_TANGENTIAL - KINETIC, i] = stored
 
@@ -77,10 +77,10 @@ def stored_in(law, hertz, mass, normal, overlap, velocity, history, i, dt):
 
 
 @njit
-def write_column(slots, s, c, written, time, along, rate):
+def write_column(one, c, written, time, along, rate):
     """Write column c of a sample; along and rate: the enclosure's displacement and velocity."""
-    row, parts, books = slots.rows[s, written], slots.parts[s], slots.books[s]
-    n = slots.clock[s, SPHERES]
+    row, parts, books = one.rows[written], one.parts, one.books
+    n = one.clock[SPHERES]
     if c == TIME:
         row[c] = time
     elif c == DISPLACEMENT:
@@ -99,16 +99,16 @@ def write_column(slots, s, c, written, time, along, rate):
         row[c] = total(books, c - N_COLUMNS, n)
     else:
         force = total(books, WALL_FORCE + c - N_COLUMNS - N_BALANCE, n)
-        row[c] = force / slots.clock[s, PER_SAMPLE]
+        row[c] = force / one.clock[PER_SAMPLE]
 
 
 @njit
-def forget(slots, s, i):
+def forget(one, i):
     """Wipe what sphere i counted since the last sample."""
-    books = slots.books[s]
+    books = one.books
     for k in range(IMPACTS, IMPACTS + 2 * YIELD):
         books[k, i] = 0.0
-    for k in range(WALL_FORCE, WALL_FORCE + 3 * slots.clock[s, WALLS]):
+    for k in range(WALL_FORCE, WALL_FORCE + 3 * one.clock[WALLS]):
         books[k, i] = 0.0
 
 

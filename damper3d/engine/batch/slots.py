@@ -71,6 +71,17 @@ class Slots(NamedTuple):
     rows: np.ndarray  # (n_slots, r, N_COLUMNS + N_BALANCE + 3 w) samples
 
 
+def slot_of(slots: Slots, s: int) -> Slots:
+    """The arrays of slot s alone; kernels have it too, hence the names one by one."""
+    return Slots(
+        slots.clock[s], slots.numbers[s], slots.laws[s], slots.sines[s], slots.planes[s],
+        slots.position[s], slots.velocity_now[s], slots.spin_now[s], slots.velocity[s],
+        slots.spin[s], slots.load[s], slots.seen[s], slots.drift[s], slots.listed[s],
+        slots.near[s], slots.constants[s], slots.history[s], slots.lasting[s], slots.books[s],
+        slots.parts[s], slots.rows[s],
+    )  # fmt: skip
+
+
 # What says where a damper is: the arrays that `take` reads.
 MOVING = ("position", "velocity_now", "spin_now", "velocity", "spin", "listed", "near", "history",
           "books")  # fmt: skip
@@ -130,7 +141,7 @@ def put(slots: Slots, s: int, sim: Simulation, wanted: int) -> bool:
 
     The slot needs room for its spheres, walls, sines and samples, as `empty` was asked for it.
     """
-    world, saved, one = sim.world, sim.save(), _slot(slots, s)
+    world, saved, one = sim.world, sim.save(), slot_of(slots, s)
     n, walls, shaker = sim.n_particles, world.walls, world.shaker
     for array in one:
         array[...] = 0
@@ -162,11 +173,6 @@ def put(slots: Slots, s: int, sim: Simulation, wanted: int) -> bool:
     return _put_pairs(one, saved["pairs"].astype(np.int64), saved["springs"].T)
 
 
-def _slot(slots: Slots, s: int) -> Slots:
-    """The arrays of slot s alone."""
-    return Slots(*(array[s] for array in slots))
-
-
 def _put_pairs(one: Slots, pairs: np.ndarray, histories: np.ndarray) -> bool:
     """The contacts of pairs (k, 2) with their histories (k, N_HISTORY), seen from either sphere.
 
@@ -189,7 +195,7 @@ def _put_pairs(one: Slots, pairs: np.ndarray, histories: np.ndarray) -> bool:
 
 def take(slots: Slots, s: int, sim: Simulation) -> np.ndarray:
     """Give a simulation the state to which its damper in slot s has come; its samples, by rows."""
-    one, saved = _slot(slots, s), sim.save()
+    one, saved = slot_of(slots, s), sim.save()
     n, n_walls = sim.n_particles, len(sim.world.walls.force)
     in_use, room = one.clock[IN_USE], one.near.shape[1]
     near, history = one.near[in_use, :, :n], one.history[in_use, :, :, :n]

@@ -158,54 +158,55 @@ def distance_of(x, i, j):
 
 
 @njit
-def to_wall(slots, s, w, point):
+def to_wall(one, w, point):
     """Distance [m] of a point of the enclosure from wall w, the normal that points to it, its 1/D.
 
     1/D [1/m] is half of the sum of its curvatures, where these enter the law.
     """
-    if w < slots.clock[s, PLANES]:
-        plane = slots.planes[s, w]
+    if w < one.clock[PLANES]:
+        plane = one.planes[w]
         inwards = three(plane)
         return dot(inwards, point) - plane[3], scale(-1.0, inwards), 0.0
-    numbers = slots.numbers[s]
+    numbers = one.numbers
     distance, normal, mean = _to_round(Round(numbers[ROUND]), 0, point[0], point[1], point[2])
     return distance, normal, numbers[CURVED] / mean
 
 
 @njit
-def touching(slots, s, in_use, i, point):
+def touching(one, in_use, i, point):
     """The contacts of sphere i that touch or did a step ago, as bits: neighbours, then walls.
 
     point: its centre in the enclosure. Threads whose spheres touch other entries of their lists
     then work their first, second, ... contacts at once.
     """
-    x, near = slots.position[s], slots.near[s, in_use]
-    bits, room = slots.lasting[s, i], len(near)
-    for k in range(slots.listed[s, in_use, i]):
-        cutoff = x[i, 3] + x[near[k, i], 3]
-        if distance_of(x, i, near[k, i]) < _ROUNDING * (cutoff * cutoff):
+    x, near = one.position, one.near[in_use]
+    bits, room = one.lasting[i], len(near)
+    for k in range(np.uintp(one.listed[in_use, i])):
+        j = np.uintp(near[k, i])
+        cutoff = x[i, 3] + x[j, 3]
+        if distance_of(x, i, j) < _ROUNDING * (cutoff * cutoff):
             bits |= np.int64(1) << np.int64(k)
-    for w in range(slots.clock[s, WALLS]):
-        if to_wall(slots, s, w, point)[0] < x[i, 3]:
+    for w in range(one.clock[WALLS]):
+        if to_wall(one, w, point)[0] < x[i, 3]:
             bits |= np.int64(1) << np.int64(room + w)
     return bits
 
 
 @njit
-def meeting(slots, s, in_use, i, k, point, speed):
+def meeting(one, in_use, i, k, point, speed):
     """Contact k of sphere i: 1 of a wall, else 0; 1.0 where it counts, 0.0 from its second sphere.
 
     Then the normal, the overlap [m], the arm [m] from the centre of i, and the velocity [m/s] of
     the other surface relative to its own; speed: the enclosure's.
     """
     x, u, w, near = (
-        slots.position[s],
-        slots.velocity_now[s],
-        slots.spin_now[s],
-        slots.near[s, in_use],
+        one.position,
+        one.velocity_now,
+        one.spin_now,
+        one.near[in_use],
     )
     if k < len(near):
-        j = near[k, i]
+        j = np.uintp(near[k, i])
         separation = add(three(x[j]), scale(-1.0, three(x[i])))
         distance = math.sqrt(dot(separation, separation))
         normal = scale(1.0 / distance, separation)
@@ -215,7 +216,7 @@ def meeting(slots, s, in_use, i, k, point, speed):
         moving = add(three(u[j]), scale(-1.0, three(u[i])))
         counts = 1.0 if i < j else 0.0
         return 0, counts, normal, overlap, arm, add(moving, scale(-1.0, cross(rim, normal)))
-    arm, normal, _ = to_wall(slots, s, k - len(near), point)
+    arm, normal, _ = to_wall(one, np.int64(k) - len(near), point)
     moving = add(speed, scale(-1.0, three(u[i])))
     rim = scale(arm, three(w[i]))
     velocity = add(moving, scale(-1.0, cross(rim, normal)))
@@ -223,72 +224,70 @@ def meeting(slots, s, in_use, i, k, point, speed):
 
 
 @njit
-def load_sphere(slots, s, in_use, i, shift, speed):
+def load_sphere(one, in_use, i, shift, speed):
     """Write the force and torque on sphere i; shift and speed are the enclosure's."""
-    books, numbers, room = slots.books[s], slots.numbers[s], slots.near.shape[2]
+    books, numbers, room = one.books, one.numbers, one.near.shape[1]
     dt = numbers[TIME_STEP]
     force, torque = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    point = add(three(slots.position[s, i]), scale(-1.0, shift))
-    bits, lasting, k = touching(slots, s, in_use, i, point), np.int64(0), 0
+    point = add(three(one.position[i]), scale(-1.0, shift))
+    bits, lasting, k = touching(one, in_use, i, point), np.int64(0), np.uintp(0)
     while bits != 0:
         while bits & 1 == 0:
-            bits, k = bits >> 1, k + 1
-        which, counts, normal, overlap, arm, velocity = meeting(
-            slots, s, in_use, i, k, point, speed
-        )
-        law, constants = law_in(slots.laws[s, which]), slots.constants[s, in_use, k]
+            bits, k = bits >> 1, k + np.uintp(1)
+        which, counts, normal, overlap, arm, velocity = meeting(one, in_use, i, k, point, speed)
+        law, constants = law_in(one.laws[which]), one.constants[in_use, k]
         push, couple = pushed(
             law, constants[0, i], constants[1, i], normal, overlap, velocity,
-            slots.history[s, in_use, k], books, i, which, counts, numbers[YIELDS + which], dt,
+            one.history[in_use, k], books, i, which, counts, numbers[YIELDS + which], dt,
         )  # fmt: skip
         force = add(force, scale(-1.0, push))
         torque = add(torque, scale(-arm, couple))
         if which == 1:
             books[WALL_WORK, i] -= dt * dot(push, speed)
             for c in range(3):
-                books[WALL_FORCE + 3 * (k - room) + c, i] += push[c]
+                books[WALL_FORCE + 3 * (np.int64(k) - room) + c, i] += push[c]
         lasting |= np.int64(overlap > 0.0) << np.int64(k)
-        bits, k = bits >> 1, k + 1
-    slots.lasting[s, i] = lasting
-    put_column(slots.load[s], 0, i, force)
-    put_column(slots.load[s], 3, i, torque)
+        bits, k = bits >> 1, k + np.uintp(1)
+    one.lasting[i] = lasting
+    put_column(one.load, 0, i, force)
+    put_column(one.load, 3, i, torque)
 
 
 @njit
-def move_sphere(slots, s, i, since):
+def move_sphere(one, i, since):
     """One step of sphere i; whether it has left its list, made so many steps ago [bool].
 
     v += a dt,   x += v dt,   u = v + a dt/2,   and of the angular velocity likewise
     """
-    x, u, w, load = slots.position[s], slots.velocity_now[s], slots.spin_now[s], slots.load[s]
-    numbers = slots.numbers[s]
+    x, u, w, load = one.position, one.velocity_now, one.spin_now, one.load
+    numbers = one.numbers
     dt = numbers[TIME_STEP]
     off = 0.0
     for c in range(3):
         change = dt * u[i, 3] * load[c, i] + dt * numbers[GRAVITY + c]
-        v = slots.velocity[s, c, i] + change
-        slots.velocity[s, c, i], u[i, c] = v, v + 0.5 * change
+        v = one.velocity[c, i] + change
+        one.velocity[c, i], u[i, c] = v, v + 0.5 * change
         change = dt * w[i, 3] * load[3 + c, i]
-        turned = slots.spin[s, c, i] + change
-        slots.spin[s, c, i], w[i, c] = turned, turned + 0.5 * change
+        turned = one.spin[c, i] + change
+        one.spin[c, i], w[i, c] = turned, turned + 0.5 * change
         x[i, c] += dt * v
-        gone = x[i, c] - slots.seen[s, c, i] - since * dt * slots.drift[s, c]
+        gone = x[i, c] - one.seen[c, i] - since * dt * one.drift[c]
         off += gone * gone
     margin = 0.5 * numbers[SKIN]
     return not off <= margin * margin  # true for NaN as well
 
 
 @njit
-def list_sphere(slots, s, old, i):
+def list_sphere(one, old, i):
     """Make the other of the two lists of sphere i, with the histories of the old one; DONE, or not.
 
     All spheres are looked at: of some hundred it takes less than to sort them into cells.
     """
-    x, u, new, room = slots.position[s], slots.velocity_now[s], 1 - old, slots.near.shape[2]
-    near, before, skin = slots.near[s, new], slots.near[s, old], slots.numbers[s, SKIN]
-    constants, n_before = slots.constants[s, new], slots.listed[s, old, i]
+    x, u, new, room = one.position, one.velocity_now, 1 - old, one.near.shape[1]
+    near, before, skin = one.near[new], one.near[old], one.numbers[SKIN]
+    constants, n_before = one.constants[new], one.listed[old, i]
     n, kept, lasting = 0, 0, np.int64(0)
-    for j in range(slots.clock[s, SPHERES]):
+    for j in range(np.uintp(one.clock[SPHERES])):
         both = x[i, 3] + x[j, 3]
         square = distance_of(x, i, j)
         if square < (both + skin) * (both + skin) and j != i:
@@ -297,33 +296,33 @@ def list_sphere(slots, s, old, i):
             if square < (1.0 - DEEPEST) * (1.0 - DEEPEST) * both * both:
                 return TOO_DEEP
             near[n, i] = j
-            while kept < n_before and before[kept, i] < j:
+            while kept < n_before and np.uintp(before[kept, i]) < j:
                 kept += 1
-            lasts = kept < n_before and before[kept, i] == j
-            lasting |= hand_on(slots, s, old, kept if lasts else -1, n, i)
-            constants[n, 0, i] = slots.laws[s, 0, 0] * math.sqrt(x[i, 3] * x[j, 3] / both)
+            lasts = kept < n_before and np.uintp(before[kept, i]) == j
+            lasting |= hand_on(one, old, kept if lasts else -1, n, i)
+            constants[n, 0, i] = one.laws[0, 0] * math.sqrt(x[i, 3] * x[j, 3] / both)
             constants[n, 1, i] = 1.0 / (u[i, 3] + u[j, 3])
             n += 1
-    slots.listed[s, new, i] = n
-    for w in range(slots.clock[s, WALLS]):
-        lasting |= hand_on(slots, s, old, room + w, room + w, i)
-        bend = to_wall(slots, s, w, three(x[i]))[2]
+    one.listed[new, i] = n
+    for w in range(one.clock[WALLS]):
+        lasting |= hand_on(one, old, room + w, room + w, i)
+        bend = to_wall(one, w, three(x[i]))[2]
         radius = x[i, 3] / (1.0 - x[i, 3] * bend)
-        constants[room + w, 0, i] = slots.laws[s, 1, 0] * math.sqrt(radius)
+        constants[room + w, 0, i] = one.laws[1, 0] * math.sqrt(radius)
         constants[room + w, 1, i] = 1.0 / u[i, 3]
-    slots.lasting[s, i] = lasting
+    one.lasting[i] = lasting
     for c in range(3):
-        slots.seen[s, c, i] = x[i, c]
+        one.seen[c, i] = x[i, c]
     return DONE if x[i, 0] + x[i, 1] + x[i, 2] < np.inf else NOT_FINITE
 
 
 @njit
-def hand_on(slots, s, old, k, n, i):
+def hand_on(one, old, k, n, i):
     """Give contact n of the new list of sphere i the history of contact k of the old; -1: none.
 
     Its bit, where it touched a step ago.
     """
-    before, after = slots.history[s, old], slots.history[s, 1 - old]
+    before, after = one.history[old], one.history[1 - old]
     for h in range(N_HISTORY):
         after[n, h, i] = before[k, h, i] if k >= 0 else 0.0
     if k < 0:
