@@ -132,8 +132,8 @@ def table(options: argparse.Namespace) -> list[str]:
         f"GPU, kernel alone               {worked:.1f} s, {done / worked:.2e} particle-steps/s",
         f"cores, whole sweep              {cpu_s:.1f} s, {done / cpu_s:.2e} particle-steps/s",
         f"cores over GPU, time            {cpu_s / gpu_s:.2f} whole, {cpu_s / worked:.2f} kernel",
-        f"{CHAPTER:,} runs as these (chapter) {CHAPTER * gpu_s / len(cases) / 60:.1f} min, of which "
-        f"{CHAPTER * worked / len(cases) / 60:.1f} min in the kernel",
+        f"{CHAPTER:,} runs as these (chapter) {CHAPTER * gpu_s / len(cases) / 60:.1f} min, "
+        f"{CHAPTER * worked / len(cases) / 60:.1f} min of them in the kernel",
         f"repeated on the GPU             {len(again)} runs, "
         f"{'the same digests' if same else 'OTHER DIGESTS'}",
         *compared(gpu, cpu, options.packings),

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from damper3d.commands import contact, impact, map, pack, predict, results, run, shape, slow
 from damper3d.commands.options import EXAMPLES_OF_CASES
 from damper3d.commands.structure import design, field, response
-from granulab.campaign.cli.commandline import command_group, run_app
+from granulab.campaign.cli.commandline import ENGINES_AND_GPU, command_group, run_app
 from granulab.campaign.cli.library import file_commands
 from granulab.campaign.cli.many import sweep_command
 from granulab.campaign.cli.reproduce import reproduce_command
@@ -38,7 +38,7 @@ def _sketch() -> "Sketch":
 app = command_group(
     [
         run.run,
-        sweep_command("damper3d", _simulator, _study, _sketch),
+        sweep_command("damper3d", _simulator, _study, _sketch, ENGINES_AND_GPU),
         map.map_,
         field.field,
         response.response,
@@ -51,6 +51,7 @@ app = command_group(
             """,
             "damper3d.reproduce",
             _simulator,
+            ENGINES_AND_GPU,
         ),
         predict.predict,
         pack.pack,

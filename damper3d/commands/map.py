@@ -8,8 +8,8 @@ import click
 
 from damper3d.commands.options import case_command, changes_of, material_option
 from granulab.campaign.cli.commandline import (
+    device_options,
     dry_run_option,
-    engine_options,
     json_option,
     no_figures_option,
     out_option,
@@ -35,7 +35,7 @@ _WITHOUT = {
 @click.option("--gammas", metavar="1,3,10", help="In g [default: the thesis's nineteen].")
 @click.option("--packings", type=int, default=1, metavar="N", help="Of each point [default: 1].")
 @click.option("--refine", type=int, default=0, metavar="N", help="Halve N times about each peak.")
-@engine_options
+@device_options
 @out_option
 @rank_by_option
 @dry_run_option

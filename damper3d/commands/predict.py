@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from damper3d.commands.options import case_command, changes_of, material_option
-from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
+from granulab.campaign.cli.commandline import device_options, json_option, out_option, quiet_option
 from granulab.campaign.cli.many import numbers, stop_unless_whole
 from granulab.campaign.output.layout import on_screen, stopped
 
@@ -34,7 +34,7 @@ _WITHOUT = {
     help="Frequency in Hz and Gamma whose clearance is wanted.",
 )  # fmt: skip
 @click.option("--simulate", is_flag=True, help="Compare runs with the ideal curves, to Gamma 100.")
-@engine_options
+@device_options
 @out_option
 @click.option("--no-figures", is_flag=True, help="Make no picture.")
 @quiet_option

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
+from granulab.campaign.cli.commandline import device_options, json_option, out_option, quiet_option
 
 if TYPE_CHECKING:
     from damper3d.studies.design.design import Designer
@@ -22,7 +22,7 @@ _DRAWN = 3  # of the random designs, the best by their fields, that are simulate
     "--compare", type=click.IntRange(0, 1000), default=0, metavar="N",
     help="Beside the thesis's rule of thumb and N random designs [default: 0].",
 )  # fmt: skip
-@engine_options
+@device_options
 @out_option
 @click.option("--dry-run", is_flag=True, help="Say what would be run, and end.")
 @click.option("--no-figures", is_flag=True, help="Make no picture and no page.")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from damper3d.commands.options import case_command, changes_of, material_option
-from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
+from granulab.campaign.cli.commandline import device_options, json_option, out_option, quiet_option
 from granulab.campaign.cli.many import numbers, stop_unless_whole
 from granulab.campaign.output.layout import stopped
 
@@ -41,7 +41,7 @@ _WITHOUT = {
     "--damper", metavar="tip|2", help="Of a case with several dampers: name or number of one."
 )
 @click.option("--fit", metavar="2,10", help="Gammas of the fitted powers [default: found].")
-@engine_options
+@device_options
 @out_option
 @click.option("--dry-run", is_flag=True, help="Say what would be run, and end.")
 @click.option("--no-figures", is_flag=True, help="Make no picture.")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from granulab.campaign.cli.commandline import engine_options, json_option, out_option, quiet_option
+from granulab.campaign.cli.commandline import device_options, json_option, out_option, quiet_option
 from granulab.campaign.cli.many import numbers, stop_unless_whole
 from granulab.campaign.output.layout import stopped
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 @click.option("--between", metavar="30,60", help="Frequencies in Hz [default: the field's].")
 @click.option("--simulate", is_flag=True, help="Simulate host and bed at --frequencies.")
 @click.option("--frequencies", metavar="38,40,42", help="In Hz, of --simulate.")
-@engine_options
+@device_options
 @out_option
 @click.option("--no-figures", is_flag=True, help="Make no picture.")
 @quiet_option

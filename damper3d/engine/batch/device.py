@@ -1,7 +1,8 @@
 """The slots on a GPU: one block of threads a damper, by numba-cuda. Nothing else knows a GPU.
 
 numba-cuda compiles the functions of step.py, samples.py and of the contact laws anew for the
-device, from their Python.
+device, from their Python. It is imported here, so that this module is to be imported only where a
+GPU is asked for.
 """
 
 import math
@@ -9,6 +10,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from numba import config, cuda
 
 from damper3d.engine.batch.loop import advancing
 from damper3d.engine.batch.slots import Slots
@@ -34,18 +36,23 @@ def teach_square_roots() -> None:
     ufunc_db().setdefault(np.sqrt, {"d->d": root})
 
 
+def together() -> None:
+    """Wait for the other threads of the block."""
+    cuda.syncthreads()
+
+
 @cache
 def kernel(registers: int = REGISTERS) -> Any:
     """The kernel, called as kernel()[blocks, threads](slots, which, most).
 
     Block b lets slot which[b] go on for so many steps at most; slots: device arrays.
     """
-    from numba import cuda
-
     teach_square_roots()
-    advance = cuda.jit(device=True)(advancing(cuda.syncthreads))
+    advance = cuda.jit(device=True)(advancing(cuda.jit(device=True)(together)))
 
-    @cuda.jit(max_registers=registers)
+    limited = {} if config.ENABLE_CUDASIM else {"max_registers": registers}
+
+    @cuda.jit(**limited)
     def go_on(slots, which, most):
         advance(slots, which[cuda.blockIdx.x], cuda.threadIdx.x, cuda.blockDim.x, most)
 
@@ -63,16 +70,14 @@ class Gpu:
     All calls are to come from one thread, as the device's context is that thread's.
     """
 
-    def __init__(self, slots: Slots) -> None:
+    def __init__(self, slots: Slots, threads: int | None = None) -> None:
         self._sizes = slots
         self._slots: Slots | None = None
         self._kernel = kernel()
-        self._threads = threads_for(slots.position.shape[1])
+        self._threads = threads or threads_for(slots.position.shape[1])
 
     def _arrays(self) -> Slots:
         """The device's arrays; made at the first call, by the thread that works with them."""
-        from numba import cuda
-
         if self._slots is None:
             self._slots = Slots(*(cuda.device_array(a.shape, a.dtype) for a in self._sizes))
         return self._slots
@@ -85,8 +90,6 @@ class Gpu:
 
     def go_on(self, clock: np.ndarray, which: np.ndarray, most: int) -> None:
         """Let these slots go on for so many steps at most; their rows of `clock` follow."""
-        from numba import cuda
-
         slots = self._arrays()
         slots.clock.copy_to_device(clock)
         self._kernel[len(which), self._threads](slots, cuda.to_device(which), most)
@@ -105,20 +108,14 @@ _SCRATCH = ("load", "seen", "drift", "constants", "parts", "rows")
 def missing() -> str | None:
     """What is missing for a GPU, in words; None where there is one."""
     try:
-        from numba import cuda
-    except ImportError:
-        return "the package numba-cuda"
-    try:
-        return None if cuda.is_available() else "an NVIDIA GPU with its driver"
+        return None if cuda.is_available() else "an NVIDIA GPU, or its driver"
     except Exception as error:
-        return f"a driver that answers ({error})"
+        return f"a driver of an NVIDIA GPU that answers ({error})"
 
 
 def name() -> str:
     """The name of the GPU, and the version of the package that speaks to it."""
     from importlib.metadata import version
-
-    from numba import cuda
 
     found = cuda.get_current_device().name
     words = found.decode() if isinstance(found, bytes) else found

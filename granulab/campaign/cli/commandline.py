@@ -7,6 +7,7 @@ import sys
 import tempfile
 import traceback
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -62,23 +63,28 @@ def command_group(commands: Sequence[click.Command], purpose: str) -> click.Grou
     return app
 
 
-ENGINES = ["processes", "dask", "cuda"]
+ENGINES = ["processes", "dask"]
+ENGINES_AND_GPU = [*ENGINES, "cuda"]  # of simulators that have a device
 
 
-def engine_options(command: Callable[..., Any]) -> Callable[..., Any]:
+def engine_options(command: Callable[..., Any], *, engines: list[str] = ENGINES) -> Any:
     """Options that say what computes many runs: --workers, --engine, --scheduler."""
+    gpu = ", a Dask cluster, or a GPU" if "cuda" in engines else ""
     for option in (
         click.option("--scheduler", metavar="ADDRESS", help="A Dask cluster: tcp://127.0.0.1:8786"),
         click.option(
             "--engine",
-            type=click.Choice(ENGINES),
+            type=click.Choice(engines),
             default="processes",
-            help="Where the runs go [default: processes of this machine].",
+            help=f"Where the runs go [default: processes of this machine]{gpu}.",
         ),
         workers_option,
     ):
         command = option(command)
     return command
+
+
+device_options = partial(engine_options, engines=ENGINES_AND_GPU)
 
 
 _INTERRUPTED = "interrupted; the same command goes on from the last checkpoint"

@@ -2,12 +2,14 @@
 
 import json
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from granulab.campaign.cli.commandline import (
+    ENGINES,
     Ended,
     dry_run_option,
     engine_options,
@@ -33,10 +35,12 @@ def sweep_command(
     simulator: Callable[[], "Simulator"],
     load: Callable[[str], "LabelledStudy"],
     sketch: "Callable[[], Sketch]",
+    engines: list[str] = ENGINES,
 ) -> click.Command:
     """The command `sweep` of a simulator.
 
-    name: of its command line; load: gives the cases of a study file; sketch: what draws a case.
+    name: of its command line; load: gives the cases of a study file; sketch: what draws a case;
+    engines: where its runs may go.
     """
 
     @click.command(
@@ -48,7 +52,7 @@ def sweep_command(
     )
     @click.argument("study")
     @out_option
-    @engine_options
+    @partial(engine_options, engines=engines)
     @rank_by_option
     @dry_run_option
     @no_figures_option

@@ -50,12 +50,15 @@ class PublishedTable(Protocol):
 
 
 def reproduce_command(
-    purpose: str, package: str, simulator: Callable[[], "Simulator"]
+    purpose: str,
+    package: str,
+    simulator: Callable[[], "Simulator"],
+    engines: list[str] = ENGINES,
 ) -> click.Command:
     """The command `reproduce` of a simulator.
 
     purpose: text of its --help; package: of the tables, which has their names and texts (TABLES)
-    and a module for each.
+    and a module for each; engines: where its runs may go.
     """
 
     @click.command(help=purpose)
@@ -67,7 +70,7 @@ def reproduce_command(
     )
     @click.option("--add", is_flag=True, help="Keep rows that csv has, and run what it lacks.")
     @click.option("--workers", type=int, metavar="N", help="Runs at a time [default: all cores].")
-    @click.option("--engine", type=click.Choice(ENGINES), help="What runs them.")
+    @click.option("--engine", type=click.Choice(engines), help="What runs them.")
     @click.option("--scheduler", metavar="tcp://HOST:PORT", help="Of a Dask cluster.")
     @quiet_option
     @json_option

@@ -147,28 +147,38 @@ def run_labelled(
         else:
             missing[folder.path] = case
     if missing:
-        if short := room.shortage(simulator.disk_of(list(missing.values())), out):
-            to_stderr(short)
-        announce_compilation(quiet, simulator.compiled())
-        tasks, needs = _tasks(simulator, list(missing.values()), out)
-        before = len(ended)
-        title = f"{len(missing)} runs"
-        if len(tasks) > len(missing):
-            title += f", {len(tasks) - len(missing)} packings"
-        costs = [_expected(simulator, task) for task in tasks]
-        place = _place(simulator, list(missing.values()), engine, workers)
-        with place as (engine, workers), Progress(title, quiet=quiet, estimates=False) as bar:
-            outcomes = run_tasks(
-                simulator.work, tasks, needs=needs, engine=engine, workers=workers,
-                scheduler=scheduler, report=lambda tally: bar.update(*_words(tally, before, costs)),
+        with _place(simulator, list(missing.values()), engine, workers) as (where, at_once):
+            ended |= _run_missing(
+                simulator, missing, out, len(ended), quiet,
+                engine=where, workers=at_once, scheduler=scheduler,
             )  # fmt: skip
-        runs = (o for o, task in zip(outcomes, tasks, strict=True) if not task.packing_only)
-        ended |= dict(zip(missing, runs, strict=True))
     _warn_of_other_sources(simulator, [case for _, case in cases], folders, out)
     return [
         _row(labels, folder.path, ended[folder.path])
         for folder, (labels, _) in zip(folders, cases, strict=True)
     ]
+
+
+def _run_missing(
+    simulator: Simulator, missing: Mapping[Path, Any], out: Path, before: int, quiet: bool,
+    **engine: Any,
+) -> dict[Path, Outcome]:  # fmt: skip
+    """Outcomes of the cases that have not been run, by folder; before: how many were."""
+    if short := room.shortage(simulator.disk_of(list(missing.values())), out):
+        to_stderr(short)
+    announce_compilation(quiet, simulator.compiled())
+    tasks, needs = _tasks(simulator, list(missing.values()), out)
+    title = f"{len(missing)} runs"
+    if len(tasks) > len(missing):
+        title += f", {len(tasks) - len(missing)} packings"
+    costs = [_expected(simulator, task) for task in tasks]
+    with Progress(title, quiet=quiet, estimates=False) as bar:
+        outcomes = run_tasks(
+            simulator.work, tasks, needs=needs, **engine,
+            report=lambda tally: bar.update(*_words(tally, before, costs)),
+        )  # fmt: skip
+    runs = (o for o, task in zip(outcomes, tasks, strict=True) if not task.packing_only)
+    return dict(zip(missing, runs, strict=True))
 
 
 @contextmanager
