@@ -151,9 +151,7 @@ def _take(damper: Shaken, rows: dict[str, np.ndarray], now: int) -> None:
         _note_host(case, clock, rows, now)
     framed = case.settings.output.frames and now % frame_interval(case) == 0
     last = len(rows["time"]) - 1
-    for k in range(last + 1):
-        row = {name: column[k] for name, column in rows.items()}
-        damper.writer.append(row, tables_of(sim) if framed and k == last else None)
+    damper.writer.extend(rows, tables_of(sim) if framed else None)
     if now % case.settings.output.samples == 0:
         clock.lost.append(float(rows["wall_work"][last] - held(rows)[last]))
         attraction = Attraction(*clock.attraction)

@@ -14,6 +14,7 @@ from waiting import is_alive, wait_until, when
 from granulab.campaign.sweeps.engine import TRIES, Tally, run_tasks
 from granulab.campaign.sweeps.processes import Processes
 from granulab.campaign.sweeps.task import EngineError
+from granulab.campaign.sweeps.threads import Threads
 
 
 def test_outcomes_come_in_the_order_of_the_tasks():
@@ -190,7 +191,7 @@ def test_a_second_ctrl_c_ends_everything_at_once(sweep):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"engine": "threads"}, "known: processes, dask"),
+        ({"engine": "cores"}, "known: processes, threads, dask"),
         ({"workers": 0}, "workers = 0: must be at least 1"),
         ({"scheduler": "tcp://127.0.0.1:8786"}, "goes with engine dask"),
         ({"engine": "dask"}, "needs the address of its scheduler"),
@@ -200,3 +201,19 @@ def test_a_second_ctrl_c_ends_everything_at_once(sweep):
 def test_options_that_do_not_go_together(options, words):
     with pytest.raises(EngineError, match=words):
         run_tasks(square, [1], **options)
+
+
+def test_threads_work_at_once_and_hear_that_they_are_to_stop():
+    """As many as there are workers wait for each other: fewer would wait for ever."""
+    meet = threading.Barrier(3, timeout=10)
+
+    def met(task, stop):
+        meet.wait()
+        return task
+
+    outcomes = run_tasks(met, [1, 2, 3], engine="threads", workers=3)
+    assert [outcome.value for outcome in outcomes] == [1, 2, 3]
+    with Threads(1) as pool:
+        pool.ask_to_stop()
+        assert pool.submit(met, 4).result().state == "interrupted"
+        assert not pool.give_up()

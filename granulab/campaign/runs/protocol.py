@@ -186,7 +186,7 @@ class Runs(Generic[Case, Found]):
         for name, text in case.files.items():
             write_atomic(folder.path / name, text)
         seed, packages = case.settings.run.seed, self.packages
-        origin = provenance(command=sys.argv, seed=seed, packages=packages, sources=sources.folders)
+        origin = provenance(command=sys.argv, seed=seed, packages=packages, sources=sources)
         seals = seals_of({**case.files, "case.toml": case.to_toml()})
         folder.write_provenance({**origin, "run_digest": self.digest(case), **seals})
         folder.write_case(case.to_toml())  # last: from here on the run counts as begun

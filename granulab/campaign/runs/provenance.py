@@ -78,13 +78,14 @@ class Sources:
 
 
 def provenance(
-    *, command: list[str], seed: int, packages: list[str], sources: Iterable[str | Path]
+    *, command: list[str], seed: int, packages: list[str], sources: Sources | Iterable[str | Path]
 ) -> dict[str, Any]:
     """Return the provenance of a run that starts now, as provenance.json keeps it.
 
-    `packages` are distributions whose versions matter to the last bit; `sources` are the
-    package folders that hold the simulation. A distribution that is not installed is None.
+    `packages` are distributions whose versions matter to the last bit; `sources` are those of the
+    simulation, or their folders. A distribution that is not installed is None.
     """
+    known = sources if isinstance(sources, Sources) else Sources(*map(Path, sources))
     return {
         "command": command,
         "granulab": _version("granulab"),
@@ -92,7 +93,7 @@ def provenance(
             "python": platform.python_version(),
             **{package: _version(package) for package in packages},
         },
-        "source_digest": Sources(*map(Path, sources)).digest,
+        "source_digest": known.digest,
         "seed": seed,
         "machine": {"platform": platform.platform(), "cpu": cpu_model(), "cores": os.cpu_count()},
         "started": datetime.now(UTC).isoformat(timespec="seconds"),

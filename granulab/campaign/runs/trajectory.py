@@ -60,7 +60,8 @@ class TrajectoryWriter:
         self._folder = Path(folder) / "parts"
         self._n_parts = parts
         self._n_frames = 0  # that were flushed
-        self._pending: list[dict[str, np.ndarray]] = []
+        self._pending: list[dict[str, np.ndarray]] = []  # blocks of frames
+        self._n_pending = 0  # frames in them
         self._pending_tables: dict[str, dict[int, dict[str, np.ndarray]]] = {}
         self._layout: dict[str, str] | None = None
         self._tables_layout: dict[str, str] = {}
@@ -103,8 +104,14 @@ class TrajectoryWriter:
         `tables` are those that come with this frame: columns of one length each, whose names and
         types are the same every time.
         """
-        copied = {key: np.array(value) for key, value in frame.items()}
-        layout = _layout(copied)
+        self.extend({key: np.array(value)[None] for key, value in frame.items()}, tables)
+
+    def extend(
+        self, frames: Mapping[str, np.ndarray], tables: Mapping[str, Columns] | None = None
+    ) -> None:
+        """Take a copy of k frames, arrays of (k, ...); `tables` come with the last of them."""
+        copied = {key: np.array(values) for key, values in frames.items()}
+        layout = _layout({key: values[0] for key, values in copied.items()})
         if self._layout is None:
             self._layout = layout
         if layout != self._layout:
@@ -112,10 +119,13 @@ class TrajectoryWriter:
                 f"{self._folder}: a frame of {layout} after frames of {self._layout}; "
                 "use --again to compute the run again"
             )
-        self._take_tables(tables or {})
+        after = self._n_pending + len(next(iter(copied.values())))
+        self._take_tables(tables or {}, self._n_frames + after - 1)
         self._pending.append(copied)
+        self._n_pending = after
 
-    def _take_tables(self, tables: Mapping[str, Columns]) -> None:
+    def _take_tables(self, tables: Mapping[str, Columns], frame: int) -> None:
+        """Take a copy of the tables of a frame, by its number."""
         layout = ragged.layout(tables)
         known = {k: v for k, v in self._tables_layout.items() if k.partition(".")[0] in tables}
         if known and layout != known:
@@ -126,18 +136,20 @@ class TrajectoryWriter:
         self._tables_layout |= layout
         for name, columns in tables.items():
             copied = {key: np.array(column) for key, column in columns.items()}
-            self._pending_tables.setdefault(name, {})[self._n_frames + len(self._pending)] = copied
+            self._pending_tables.setdefault(name, {})[frame] = copied
 
     def flush(self) -> int:
         """Write the frames taken since the last flush as the next part; the number of parts."""
         if self._pending:
-            frames = {key: np.stack([f[key] for f in self._pending]) for key in self._pending[0]}
+            blocks, keys = self._pending, self._pending[0]
+            frames = {key: np.concatenate([block[key] for block in blocks]) for key in keys}
             tables = {
                 name: laid_end_to_end(list(taken), list(taken.values()))
                 for name, taken in self._pending_tables.items()
             }
             save(part_file(self._folder, self._n_parts), frames=frames, tables=tables)
-            self._n_frames += len(self._pending)
+            self._n_frames += self._n_pending
+            self._n_pending = 0
             self._pending.clear()
             self._pending_tables.clear()
             self._n_parts += 1

@@ -151,7 +151,7 @@ def _pool(engine: str, workers: int | None, scheduler: str | None, n_tasks: int)
             )
         return DaskCluster(scheduler)
     if engine not in ("processes", "threads"):
-        raise EngineError(f"engine {engine!r}: known: processes, dask")
+        raise EngineError(f"engine {engine!r}: known: processes, threads, dask")
     if scheduler is not None:
         raise EngineError(f"scheduler {scheduler}: goes with engine dask")
     if workers is not None and workers < 1:
