@@ -13,7 +13,7 @@ test: export OPENBLAS_NUM_THREADS := 1
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
 	--constraint $(CONSTRAINTS) --editable
 
-.PHONY: demo test test-oldest test-pythons browse fuzz fuzz-brief own-silos low-drops estimates lint bench \
+.PHONY: demo test test-oldest test-pythons test-plain browse fuzz fuzz-brief own-silos low-drops estimates lint bench \
 	validate planted \
 	reproduce clogging wheel clean
 .DELETE_ON_ERROR:
@@ -31,6 +31,10 @@ test-pythons: ## the same with each of PYTHONS
 	for python in $(PYTHONS); do \
 		$(MAKE) test PYTHON=$$python VENV=.venv-$$(basename $$python) || exit 1; \
 	done
+
+test-plain: export NUMBA_CPU_NAME := generic
+test-plain: export NUMBA_CPU_FEATURES :=
+test-plain: test ## the same with kernels for a plain processor, which round differently
 
 fuzz: export FUZZ_TIMES := 20
 fuzz: $(VENV)/with-tests ## twenty thousand wrong inputs, a hundred kills, full disks; drawn tests (an hour)

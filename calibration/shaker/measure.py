@@ -52,14 +52,13 @@ def dissipation(
     if not 0.0 <= phase_error < 1.0:  # NaN, too; beyond it the sine is no angle any more
         raise InputError(f"--phase-error = {phase_error:g} rad: expected 0 to 1 rad")
     warnings = list(loaded.remarks)
-    sign = np.sign(loaded.mass[:, 0].real.mean())
     tones: list[Tone] = []
     totals = np.zeros(len(loaded.force))
     for k, frequency in enumerate(loaded.frequencies):
         known = _phase_error(loaded, k, empty, warnings)
         error = known or _unknown(tones, frequency, phase_error)
         velocity = loaded.acceleration[:, k] / (2j * np.pi * frequency)
-        flow = 0.5 * sign * loaded.force[:, k] * np.exp(-1j * error.value) * velocity.conj()
+        flow = 0.5 * loaded.sense * loaded.force[:, k] * np.exp(-1j * error.value) * velocity.conj()
         totals += flow.real
         tones.append(_with_efficiency(_tone(loaded, k, error, flow),
                                       particle_mass if loaded.shaken[k] else None))  # fmt: skip
@@ -163,7 +162,7 @@ def _with_cycle(
     orders = loaded.frequencies / first.frequency_hz
     alone = np.allclose(orders, np.round(orders), rtol=1e-6)
     most = 4.0 * speed**2 * particle_mass if particle_mass is not None and alone else None
-    own = [float(abs(record.mass[:, 0].mean())) for record in empty]
+    own = [float(abs(record.mass.mean())) for record in empty]
     enclosure = float(np.mean(own)) if own else None
     phase = None
     if enclosure is not None and particle_mass is not None and alone:
@@ -192,11 +191,13 @@ def _phase_error(
         near = int(np.argmin(np.abs(record.frequencies - frequency)))
         if abs(record.frequencies[near] - frequency) > _SAME * frequency:
             continue
-        masses = record.mass[:, near] * np.sign(record.mass[:, 0].real.mean())
-        sigma = of_mean(np.angle(masses / masses.mean()))
+        moved = record.acceleration[:, near]
+        if not moved.any():  # a harmonic that is not there, not even as noise, has no phase
+            continue
+        turned = record.sense * record.force[:, near] * moved.conj()
+        sigma = of_mean(np.angle(turned * turned.mean().conj()))
         if sigma < _KNOWN_PHASE:
-            size = float(np.abs(record.acceleration[:, near]).mean())
-            known.append((size, float(np.angle(masses.mean())), sigma))
+            known.append((float(np.abs(moved).mean()), float(np.angle(turned.mean())), sigma))
     if not known:
         if k > 0 and empty and loaded.shaken[k]:
             warnings.append(

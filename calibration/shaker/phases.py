@@ -63,7 +63,7 @@ def bed_phase(
     downwards (0 across it).
     """
     force, moved = (mean_cycle(x, record.rate, record.frequencies[0]) for x in record.samples)
-    force *= np.sign(record.mass[:, 0].real.mean())
+    force *= record.sense
     lines = np.fft.rfft(force)
     lines[1] *= np.exp(-1j * phase_error)
     on_enclosure = enclosure_mass * moved - np.fft.irfft(lines, len(force))

@@ -147,8 +147,13 @@ class Record:
 
     @property
     def mass(self) -> NDArray[np.complex128]:
-        """F/A (b, k) [kg]: what rides along, and the phase between them."""
-        return self.force / self.acceleration
+        """F/A (b,) [kg] at the first tone: what rides along, and the phase between them."""
+        return self.force[:, 0] / self.acceleration[:, 0]
+
+    @property
+    def sense(self) -> float:
+        """1 where force and acceleration count in the same direction, -1 where they do not."""
+        return float(np.sign(self.mass.real.mean()))
 
 
 def read_record(

@@ -183,7 +183,7 @@ def apply_law(laws, stored_force, n_contacts, block, dt):
 
 @inner
 def without_slip(law, history, k, normal, kt_before, kt, moved):
-    """What the spring of contact k held a step before, and would hold now; see carried_spring."""
+    """The spring of contact k a step before, and now if it did not slip; see carried_spring."""
     held = history[entry(SPRING_X, k)], history[entry(SPRING_Y, k)], history[entry(SPRING_Z, k)]
     ahead = history[entry(MOVED_X, k)], history[entry(MOVED_Y, k)], history[entry(MOVED_Z, k)]
     return carried_spring(law, held, ahead, normal, kt_before, kt, moved)

@@ -57,7 +57,7 @@ def hertz_force(law, hertz, mass, damping, overlap, overlap_rate):
 
 @njit
 def carried_spring(law, held, ahead, normal, kt_before, kt, moved):
-    """What the tangential spring held a step before, and would hold now if it did not slip.
+    """Carry the tangential spring on: held a step before, and held now if it does not slip.
 
     Both in the tangent plane of now. The displacement since then is the mean of the velocities of
     then and now times the step: half of it is known from then, `ahead` [m], the other half is

@@ -151,9 +151,11 @@ def test_a_file_for_both_simulators_lacks_nothing():
 def test_a_small_silo_of_acrylic_empties_and_keeps_its_energy(tmp_path):
     """Seventy particles; the energy of all mechanisms balances within a hundredth of what is lost.
 
+    The outlet is ten particles wide: none of six seeds clogs, whatever a processor rounds.
+
     The run folder holds the table as it was, so that what was derived is derived again.
     """
-    case = write_case(tmp_path, OWN)
+    case = write_case(tmp_path, {**OWN, "silo.outlet": "70 mm"})
     done = silo2d("run", case, "-o", tmp_path / "runs", "--quiet", "--no-figures", "--json").json
     assert done["outcome"] == "empty"
     assert abs(done["energy_closure"]) < 0.01

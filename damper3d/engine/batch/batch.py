@@ -1,4 +1,4 @@
-"""What many threads ask of the slots, brought together: all that wait go on at once."""
+"""Requests of many threads for slots, brought together: all that wait go on at once."""
 
 import queue
 import threading
@@ -30,7 +30,7 @@ _AT_A_TIME = 500  # steps of a launch, which hears no Ctrl-C and is as long as i
 
 
 class Device(Protocol):
-    """What works the slots: a GPU, or the processor by one thread a slot; see device.py."""
+    """The worker of the slots: a GPU, or the processor by one thread a slot; see device.py."""
 
     def bring(self, s: int, one: Slots) -> None:
         """Take over slot s from the arrays of a single slot."""
@@ -44,7 +44,7 @@ class Device(Protocol):
 
 @dataclass
 class _Request:
-    """What a thread waits for: to bring a slot, to fetch slots, to free one, or samples."""
+    """A thread's request: to bring a slot, to fetch slots, to free one, or samples."""
 
     slot: int = -1
     one: Slots | None = None

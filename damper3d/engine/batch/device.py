@@ -106,7 +106,7 @@ _SCRATCH = ("load", "seen", "drift", "constants", "parts", "rows")
 
 
 def missing() -> str | None:
-    """What is missing for a GPU, in words; None where there is one."""
+    """The reason why there is no GPU to use; None where there is one."""
     try:
         return None if cuda.is_available() else "an NVIDIA GPU, or its driver"
     except Exception as error:

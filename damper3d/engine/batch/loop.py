@@ -53,6 +53,17 @@ def mean_velocity(one, c):
     return summed / counted
 
 
+@njit
+def list_own(one, in_use, own):
+    """New lists of a thread's own spheres, the outcome of any that has no room, and the drift."""
+    for i in range(own[0], own[1], own[2]):
+        outcome = list_sphere(one, in_use, i)
+        if outcome != DONE:
+            one.clock[OUTCOME] = outcome
+    for c in range(own[0], 3, own[2]):
+        one.drift[c] = mean_velocity(one, c)
+
+
 def advancing(wait: Any) -> Any:
     """The loop of a thread of a slot, whose threads come together where they `wait`.
 
@@ -76,12 +87,7 @@ def advancing(wait: Any) -> Any:
         wait()
         while True:
             if clock[LEFT] == step:
-                for i in range(own[0], own[1], own[2]):
-                    outcome = list_sphere(one, in_use, i)
-                    if outcome != DONE:
-                        clock[OUTCOME] = outcome
-                for c in range(thread, 3, n_threads):
-                    one.drift[c] = mean_velocity(one, c)
+                list_own(one, in_use, own)
                 wait()
                 if clock[OUTCOME] != DONE:
                     break

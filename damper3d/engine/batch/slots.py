@@ -91,7 +91,7 @@ TOO_MANY_NEIGHBOURS = "a particle has more neighbours than a slot holds, or over
 
 
 def reason_against(sim: Simulation) -> str | None:
-    """What a simulation has that slots do not, in words; None where it can have one."""
+    """Names of what a simulation has that slots do not; None where it can have one."""
     world = sim.world
     lacking = {
         "particles of several spheres": not isinstance(world.shape, OneSphere),
@@ -106,7 +106,7 @@ def reason_against(sim: Simulation) -> str | None:
 
 
 def lacks_room(slots: Slots, sim: Simulation) -> str | None:
-    """What a simulation has more of than slots hold, in words; None where they hold it."""
+    """Names of what a simulation has more of than slots hold; None where they hold it."""
     world = sim.world
     lacking = {
         "more particles": sim.n_particles > slots.position.shape[1],
