@@ -1,6 +1,6 @@
 """The command damper3d: its subcommands."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from damper3d.commands import contact, impact, map, pack, predict, results, run, shape, slow
 from damper3d.commands.options import EXAMPLES_OF_CASES
@@ -23,10 +23,10 @@ def _simulator() -> "Simulator":
     return DAMPER
 
 
-def _study(path: str) -> "LabelledStudy":
+def _study(path: str, given: dict[str, Any]) -> "LabelledStudy":
     from damper3d.run.sweep import load_study
 
-    return load_study(path)
+    return load_study(path, given)
 
 
 def _sketch() -> "Sketch":
@@ -35,10 +35,12 @@ def _sketch() -> "Sketch":
     return sketch
 
 
+_FLAGS = {"run.steady": "As many cycles as a steady result takes, in every run."}
+
 app = command_group(
     [
         run.run,
-        sweep_command("damper3d", _simulator, _study, _sketch, ENGINES_AND_GPU),
+        sweep_command("damper3d", _simulator, _study, _sketch, ENGINES_AND_GPU, _FLAGS),
         map.map_,
         field.field,
         response.response,

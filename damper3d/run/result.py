@@ -12,10 +12,12 @@ from damper3d.measures.counted import Cycles, harmonics
 from damper3d.run.packing import lowest
 from damper3d.run.steady import (
     BLOCK,
+    ENOUGH_BLOCKS,
     block_interval,
     interval,
     is_steady,
     judged,
+    judgement,
     keeps_amplitude,
 )
 from granulab.campaign.runs.result import Results
@@ -82,7 +84,9 @@ class Result(Results):
         list[dict[str, str | float | None]] | None
     )  # phases across one threshold, nearest first
     phase_measures: dict[str, float | None] | None  # what the phase is named from
-    steady: bool | None
+    steady: bool | None  # None of a few cycles against which nothing speaks, and of decays
+    # What the counted cycles do, where that is not steady, and the cure; None also in earlier runs.
+    steady_note: str | None = field(default=None, kw_only=True)
     time_step_s: float
     steps: int
     cpu_us_per_step: float  # of the vibration
@@ -126,7 +130,7 @@ def summarise(case: DamperCase, samples: Trajectory) -> dict[str, Any]:
         "hertz_validity": efficiency.hertz_validities(counted, case.wave_speed),
         "host": host.numbers(cycles) if case.modes is not None else None,
         "excitation": excitation.numbers(cycles) if case.excitation is not None else None,
-        "steady": _steady(cycles, whole) if run.steady else None,
+        **_steadiness(cycles, whole, measured["efficiency_note"]),
         "time_step_s": case.time_step,
     }
 
@@ -141,13 +145,26 @@ def first_counted(case: DamperCase, n_cycles: int) -> int:
     return n_cycles - min(judged(n_cycles - run.discard), n_cycles - run.discard)
 
 
-def _steady(cycles: Cycles, eta: np.ndarray) -> bool:
-    """True where what is judged of a steady run has become steady: efficiency, or amplitude."""
-    if cycles.case.modes is None:
-        return is_steady(eta[cycles.case.settings.run.discard :])
-    return keeps_amplitude(np.abs(harmonics(cycles.samples["displacement"], cycles.per_cycle)))
+def _steadiness(cycles: Cycles, eta: np.ndarray, note: str | None) -> dict[str, Any]:
+    """Judge whether the counted cycles are steady, with a line where not; eta of all cycles.
+
+    Of a run that went on until then: efficiency, or on a host the amplitude. Of another one on a
+    host, whose amplitude grows or decays, and of windows of a signal, nothing is said. note: why
+    the run has no efficiency, which is not said twice.
+    """
+    case, run = cycles.case, cycles.case.settings.run
+    if run.steady:
+        sizes = np.abs(harmonics(cycles.samples["displacement"], cycles.per_cycle))
+        done = is_steady(eta[run.discard :]) if case.modes is None else keeps_amplitude(sizes)
+        late = f"not steady after {len(eta)} cycles: give more --max-cycles"
+        return {"steady": done, "steady_note": None if done else late}
+    if case.modes is not None or case.excitation is not None:
+        return {"steady": None, "steady_note": None}
+    if note is not None:
+        return {"steady": False, "steady_note": None}
+    return dict(zip(("steady", "steady_note"), judgement(eta[cycles.first :]), strict=True))
 
 
 def _interval(eta: np.ndarray, steady: bool) -> tuple[float, float] | None:
-    blocks = steady and len(eta) >= 2 * BLOCK
+    blocks = len(eta) >= BLOCK * (2 if steady else ENOUGH_BLOCKS)
     return block_interval(eta) if blocks else interval(eta)

@@ -233,7 +233,11 @@ def report(result: Result) -> str:
         f"  cycles           {_cycles(result)}",
         f"  by other counts  {result.efficiency_contact_count:.3f} as the thesis counts, "
         f"{result.efficiency_wall_work:.3f} from the work of the walls",
-        *([] if result.efficiency_note is None else [f"  warning: {result.efficiency_note}"]),
+        *(
+            f"  warning: {note}"
+            for note in (result.efficiency_note, result.steady_note)
+            if note is not None
+        ),
         *_shares(result),
         f"  design           {result.dissipated_power_w:.4g} W dissipated{_of_a_sine(result)}",
         *(
@@ -311,8 +315,10 @@ def _packing(packing: dict[str, float]) -> str:
 
 
 def _steady(result: Result) -> str:
+    """Words on whether the counted cycles are steady; none where nobody asked or could tell."""
     if result.steady is None:
-        return ""
+        few = result.host is None and result.excitation is None and result.steady_note is None
+        return "; too few to tell whether they are steady" if few else ""
     return "; steady" if result.steady else "; not steady"
 
 

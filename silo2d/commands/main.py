@@ -1,6 +1,6 @@
 """The command silo2d: its subcommands."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from granulab.campaign.cli.commandline import command_group, run_app
 from granulab.campaign.cli.library import file_commands
@@ -22,10 +22,10 @@ def _simulator() -> "Simulator":
     return SILO
 
 
-def _study(path: str) -> "LabelledStudy":
+def _study(path: str, given: dict[str, Any]) -> "LabelledStudy":
     from silo2d.run.sweep import load_study
 
-    return load_study(path)
+    return load_study(path, given)
 
 
 def _sketch() -> "Sketch":

@@ -64,6 +64,24 @@ def test_a_case_of_a_study_is_the_one_that_a_single_run_finds(tmp_path):
     assert run_digest(loaded.cases[3][1]) == run_digest(single)
 
 
+def test_steady_goes_for_every_run_unless_the_study_says_otherwise(tmp_path):
+    """Runs of a sweep with --steady are those of single commands with it, and take more disk."""
+    study = write_study(tmp_path)
+    for _, case in load_study(study, {"run.steady": True}).cases:
+        gamma = case.settings.motion.gamma
+        alone = {"motion.gamma": gamma, "run.steady": True, "run.seed": case.settings.run.seed}
+        assert run_digest(case) == run_digest(DamperCase.load(tmp_path / "small.toml", alone))
+    own = write_study(tmp_path, STUDY.replace("motion.gamma = [5, 10]", "run.steady = [false]"))
+    assert not any(
+        case.settings.run.steady for _, case in load_study(own, {"run.steady": True}).cases
+    )
+    dry = ("--dry-run", "--no-figures", "--json", "-o", tmp_path / "runs")
+    short, steady = (damper3d("sweep", write_study(tmp_path), *dry, *more).json
+                     for more in ((), ("--steady",)))  # fmt: skip
+    assert short["folder"] != steady["folder"]
+    assert steady["disk_bytes_at_most"] > short["disk_bytes_at_most"]
+
+
 def test_points_of_a_map_share_a_packing(tmp_path):
     """Frequency and acceleration act only once the enclosure moves; seeds are other packings."""
     text = STUDY.replace('case = "small.toml"', 'case = "small.toml"\nseeds = 2')

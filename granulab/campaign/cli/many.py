@@ -1,9 +1,10 @@
 """The commands that compute many runs: `sweep`, and what such commands share."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -33,15 +34,23 @@ rank_by_option = click.option(
 def sweep_command(
     name: str,
     simulator: Callable[[], "Simulator"],
-    load: Callable[[str], "LabelledStudy"],
+    load: Callable[[str, dict[str, Any]], "LabelledStudy"],
     sketch: "Callable[[], Sketch]",
     engines: list[str] = ENGINES,
+    flags: Mapping[str, str] = MappingProxyType({}),
 ) -> click.Command:
     """The command `sweep` of a simulator.
 
-    name: of its command line; load: gives the cases of a study file; sketch: what draws a case;
-    engines: where its runs may go.
+    name: of its command line; load: gives the cases of a study file, with changes by key; sketch:
+    what draws a case; engines: where its runs may go; flags: keys that an option makes true in
+    every case, and what is said of them.
     """
+    switches = {key.rpartition(".")[2]: key for key in flags}
+
+    def flagged(command: Callable[..., None]) -> Callable[..., None]:
+        for option, key in switches.items():
+            command = click.option(f"--{option}", is_flag=True, help=flags[key])(command)
+        return command
 
     @click.command(
         help=f"""Run a study: cases over lists, ranges and distributions, times seeds.
@@ -52,6 +61,7 @@ def sweep_command(
     )
     @click.argument("study")
     @out_option
+    @flagged
     @partial(engine_options, engines=engines)
     @rank_by_option
     @dry_run_option
@@ -59,7 +69,8 @@ def sweep_command(
     @quiet_option
     @json_option
     def sweep(study: str, **options: Any) -> None:
-        loaded = load(study)
+        given = {key for option, key in switches.items() if options.pop(option)}
+        loaded = load(study, dict.fromkeys(given, True))
         _sweep(simulator(), loaded, sketch, **options)
 
     return sweep

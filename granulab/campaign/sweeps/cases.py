@@ -47,11 +47,13 @@ class LabelledStudy:
 
 
 def label_study(
-    path: str | Path, keys: Keys, load: Callable[[str, dict[str, Any]], Any]
-) -> LabelledStudy:
+    path: str | Path, given: dict[str, Any] | None = None, *, keys: Keys,
+    load: Callable[[str, dict[str, Any]], Any],
+) -> LabelledStudy:  # fmt: skip
     """The cases of a study file, in the order: case, combination, seed.
 
-    `load` gives the case of a name, with changes by key. Raises StudyError or what `keys` and
+    given: changes by key of all cases, which the study's own go before; `load` gives the case of a
+    name, with changes by key. Raises StudyError or what `keys` and
     `load` raise, one line that names the file, the key and what would do.
     """
     path = Path(path)
@@ -61,7 +63,8 @@ def label_study(
     for (name, stem), combination in itertools.product(
         zip(study.cases, stems, strict=True), study.combinations
     ):
-        changes = {key: keys.written(key, value) for key, value in combination.items()}
+        own = {key: keys.written(key, value) for key, value in combination.items()}
+        changes = (given or {}) | own
         labels = {"case": stem if stems.count(stem) == 1 else name}
         labels |= {keys.column(key): value for key, value in combination.items()}
         case = load(_base(name, path.parent), changes)
