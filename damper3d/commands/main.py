@@ -1,9 +1,10 @@
 """The command damper3d: its subcommands."""
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from damper3d.commands import contact, impact, map, pack, predict, results, run, shape, slow
-from damper3d.commands.options import EXAMPLES_OF_CASES
+from damper3d.commands.options import EXAMPLES_OF_CASES, case_command
 from damper3d.commands.structure import design, field, response
 from granulab.campaign.cli.commandline import ENGINES_AND_GPU, command_group, run_app
 from granulab.campaign.cli.library import file_commands
@@ -35,12 +36,12 @@ def _sketch() -> "Sketch":
     return sketch
 
 
-_FLAGS = {"run.steady": "As many cycles as a steady result takes, in every run."}
+_sweep_command = partial(case_command, keys={"run.steady": ", in every run"})
 
 app = command_group(
     [
         run.run,
-        sweep_command("damper3d", _simulator, _study, _sketch, ENGINES_AND_GPU, _FLAGS),
+        sweep_command("damper3d", _simulator, _study, _sketch, ENGINES_AND_GPU, _sweep_command),
         map.map_,
         field.field,
         response.response,

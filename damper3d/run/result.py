@@ -17,8 +17,8 @@ from damper3d.run.steady import (
     interval,
     is_steady,
     judged,
-    judgement,
     keeps_amplitude,
+    verdict,
 )
 from granulab.campaign.runs.result import Results
 from granulab.campaign.runs.trajectory import Trajectory
@@ -154,15 +154,18 @@ def _steadiness(cycles: Cycles, eta: np.ndarray, note: str | None) -> dict[str, 
     """
     case, run = cycles.case, cycles.case.settings.run
     if run.steady:
-        sizes = np.abs(harmonics(cycles.samples["displacement"], cycles.per_cycle))
-        done = is_steady(eta[run.discard :]) if case.modes is None else keeps_amplitude(sizes)
+        if case.modes is None:
+            done = is_steady(eta[run.discard :])
+        else:
+            sizes = np.abs(harmonics(cycles.samples["displacement"], cycles.per_cycle))
+            done = keeps_amplitude(sizes)
         late = f"not steady after {len(eta)} cycles: give more --max-cycles"
         return {"steady": done, "steady_note": None if done else late}
     if case.modes is not None or case.excitation is not None:
         return {"steady": None, "steady_note": None}
     if note is not None:
         return {"steady": False, "steady_note": None}
-    return dict(zip(("steady", "steady_note"), judgement(eta[cycles.first :]), strict=True))
+    return dict(zip(("steady", "steady_note"), verdict(eta[cycles.first :]), strict=True))
 
 
 def _interval(eta: np.ndarray, steady: bool) -> tuple[float, float] | None:

@@ -78,11 +78,11 @@ class Course:
         return cls(alternation, drift if certain[2] and abs(drift) > limit else 0.0, limit)
 
 
-def judgement(values: ArrayLike) -> tuple[bool | None, str | None]:
+def verdict(values: ArrayLike) -> tuple[bool | None, str | None]:
     """Judge whether counted cycles are those of a steady bed, with a line on what they do instead.
 
     Of a run that did not go on until it is steady. True takes ENOUGH_BLOCKS blocks of cycles that
-    agree without a trend; None is of too few cycles to tell.
+    agree without a trend; None is of too few cycles to say.
     """
     x = np.asarray(values, float)
     course = Course.of(x)

@@ -315,10 +315,10 @@ def _packing(packing: dict[str, float]) -> str:
 
 
 def _steady(result: Result) -> str:
-    """Words on whether the counted cycles are steady; none where nobody asked or could tell."""
+    """Words on whether the counted cycles are steady; none where nobody asked or could say."""
     if result.steady is None:
         few = result.host is None and result.excitation is None and result.steady_note is None
-        return "; too few to tell whether they are steady" if few else ""
+        return "; too few to say whether they are steady" if few else ""
     return "; steady" if result.steady else "; not steady"
 
 

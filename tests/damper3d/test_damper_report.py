@@ -228,7 +228,7 @@ def test_the_report_has_each_result():
     )  # fmt: skip
     assert "the last 24 of 30 count, 0.500 to 0.500; steady" in report(many)
     assert "nothing dissipated" in report(many)
-    assert "too few to tell whether they are steady" in text
+    assert "too few to say whether they are steady" in text
     drifting = dataclasses.replace(RESULT, steady=False, steady_note="the counted cycles drift")
     assert "; not steady" in report(drifting)
     assert "warning: the counted cycles drift" in report(drifting)

@@ -10,7 +10,7 @@ from damper3d.run.steady import (
     interval,
     is_steady,
     judged,
-    judgement,
+    verdict,
 )
 
 RNG = np.random.default_rng
@@ -107,7 +107,7 @@ def test_judged_cycles_are_the_last_half_in_whole_blocks():
     ([0.2, 0.3, 0.4], None, None),
 ])  # fmt: skip
 def test_few_cycles_that_alternate_or_drift_say_so_and_name_the_cure(cycles, steady, words):
-    found, note = judgement(cycles)
+    found, note = verdict(cycles)
     assert found is steady
     assert (note is None) == (words is None)
     assert words is None or words in note
@@ -127,7 +127,7 @@ def test_steady_noise_is_said_to_drift_as_rarely_as_the_confidence_says():
     """A thousand times five steady cycles that scatter by 10 %: 5 % of them, and never more than
     the 3.7 % above it that luck has in one of a million (five standard errors)."""
     draws = 0.3 * (1 + 0.1 * RNG(4).normal(size=(1000, 5)))
-    drifting = sum(judgement(row)[0] is False for row in draws)
+    drifting = sum(verdict(row)[0] is False for row in draws)
     assert drifting < 1000 * (0.05 + 5 * np.sqrt(0.05 * 0.95 / 1000))
 
 

@@ -1,14 +1,14 @@
 """The commands that compute many runs: `sweep`, and what such commands share."""
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from granulab.campaign.cli.caseoptions import case_changes
 from granulab.campaign.cli.commandline import (
     ENGINES,
     Ended,
@@ -37,22 +37,16 @@ def sweep_command(
     load: Callable[[str, dict[str, Any]], "LabelledStudy"],
     sketch: "Callable[[], Sketch]",
     engines: list[str] = ENGINES,
-    flags: Mapping[str, str] = MappingProxyType({}),
+    command: Callable[..., Any] = click.command,
 ) -> click.Command:
     """The command `sweep` of a simulator.
 
     name: of its command line; load: gives the cases of a study file, with changes by key; sketch:
-    what draws a case; engines: where its runs may go; flags: keys that an option makes true in
-    every case, and what is said of them.
+    what draws a case; engines: where its runs may go; command: makes the command, with options that
+    change keys of every case (a CaseCommand) where it has some.
     """
-    switches = {key.rpartition(".")[2]: key for key in flags}
 
-    def flagged(command: Callable[..., None]) -> Callable[..., None]:
-        for option, key in switches.items():
-            command = click.option(f"--{option}", is_flag=True, help=flags[key])(command)
-        return command
-
-    @click.command(
+    @command(
         help=f"""Run a study: cases over lists, ranges and distributions, times seeds.
 
         `{name} init --study my_study.toml` writes a study file with a comment on every key. Runs
@@ -61,7 +55,6 @@ def sweep_command(
     )
     @click.argument("study")
     @out_option
-    @flagged
     @partial(engine_options, engines=engines)
     @rank_by_option
     @dry_run_option
@@ -69,8 +62,8 @@ def sweep_command(
     @quiet_option
     @json_option
     def sweep(study: str, **options: Any) -> None:
-        given = {key for option, key in switches.items() if options.pop(option)}
-        loaded = load(study, dict.fromkeys(given, True))
+        given = {name: options.pop(name) for name in list(options) if "__" in name}
+        loaded = load(study, case_changes(given))
         _sweep(simulator(), loaded, sketch, **options)
 
     return sweep

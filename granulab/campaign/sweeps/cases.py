@@ -53,8 +53,8 @@ def label_study(
     """The cases of a study file, in the order: case, combination, seed.
 
     given: changes by key of all cases, which the study's own go before; `load` gives the case of a
-    name, with changes by key. Raises StudyError or what `keys` and
-    `load` raise, one line that names the file, the key and what would do.
+    name, with changes by key. Raises StudyError or what `keys` and `load` raise, one line that
+    names the file, the key and what would do.
     """
     path = Path(path)
     study = read_study(path, lambda key, value: keys.read(f"{path}: [vary]", key, value))
