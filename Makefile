@@ -13,7 +13,7 @@ test: export OPENBLAS_NUM_THREADS := 1
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
 	--constraint $(CONSTRAINTS) --editable
 
-.PHONY: demo test test-oldest test-pythons test-plain browse fuzz fuzz-brief own-silos low-drops estimates lint bench \
+.PHONY: demo test test-oldest test-pythons test-plain browse fuzz fuzz-brief own-silos own-dampers low-drops estimates lint bench \
 	validate planted \
 	reproduce clogging wheel clean
 .DELETE_ON_ERROR:
@@ -48,6 +48,9 @@ fuzz-brief: $(VENV)/with-tests ## a part of it (five minutes at most)
 
 own-silos: $(VENV)/with-tests ## two hundred silos as strangers would describe them (an hour or two)
 	$(BIN)/python tests/fuzz/own_silos.py --write docs/results/own-silos.csv
+
+own-dampers: $(VENV)/with-tests ## forty dampers as strangers would describe them (ten minutes)
+	$(BIN)/python tests/fuzz/own_dampers.py --write docs/results/own-dampers.csv
 
 low-drops: $(VENV)/with-tests ## the paper's drop test: 900 films of two renderers (an hour)
 	$(BIN)/python benchmarks/low_drops.py docs/results/calibration

@@ -18,17 +18,28 @@ from damper3d.reproduce.panels import (
     Panel,
     Row,
     completeness,
+    first_packings,
     labels_of,
     panel,
-    run_of_panels,
+)
+from damper3d.reproduce.panels.counts import (
+    DRAWN,
+    STEADY,
+    WALL_WORK,
+    by_count,
+    judged_by_count,
+    packings_words,
+    run_of_maps,
+    steady_words,
+    there,
 )
 from damper3d.reproduce.quantities.maps import (
     MAPS,
+    Maps,
     Ridges,
     exponent,
     geometric_mean,
     likeness,
-    ridges_by_panel,
 )
 from damper3d.studies.map.grid import FREQUENCIES, GAMMAS
 from granulab.campaign.claims.claim import claims_of
@@ -39,7 +50,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SEEDS = 1
-COLUMNS = PANEL_COLUMNS
+COLUMNS = (*PANEL_COLUMNS, WALL_WORK, STEADY)
 
 _STANDARD = 5  # mm, that the others are compared with
 _CRITERION = """\
@@ -55,36 +66,46 @@ def panels() -> list[Panel]:
     return [panel(o, h, size, points) for size in sizes for o in ORIENTATIONS for h in HEIGHTS]
 
 
-run = run_of_panels(panels)
+run = run_of_maps(panels)
 
 
-def by_size(rows: Sequence[Row]) -> dict[int, dict[tuple[str, int], Ridges]]:
-    """The maps of each diameter [mm] that has one, by orientation and height."""
+def by_size(rows: Sequence[Row]) -> dict[int, dict[str, Maps]]:
+    """The maps of each diameter [mm] that has one, by count, then by orientation and height."""
     sizes = sorted({row["diameter_mm"] for row in rows})
-    found = {
-        size: ridges_by_panel([row for row in rows if row["diameter_mm"] == size]) for size in sizes
-    }
+    found = {size: by_count([row for row in rows if row["diameter_mm"] == size]) for size in sizes}
     return {size: maps for size, maps in found.items() if maps}
 
 
 def report(rows: list[Row]) -> str:
     """Return what lacks, a line for each map, and the claims about the maps of each size."""
-    found = by_size(rows)
+    sizes, points = by_size(rows), labels_of(panels())
+    found, labels = {size: maps["dissipated"] for size, maps in sizes.items()}, list(points[0])
     table = columns(
-        ["size", "orientation", "height", "best eta", "at f [Hz]", "Gamma", "fluidisation", "f^",
-         "eta", "bouncing bed", "f^", "eta", "against 5 mm", "rms"],
+        ["size", "orientation", "height", "best eta", "of walls", "at f [Hz]", "Gamma",
+         "fluidisation", "f^", "eta", "bouncing bed", "f^", "eta", "against 5 mm", "rms"],
         [_line(size, key, found) for size, maps in found.items() for key in maps],
     )  # fmt: skip
+    claims = claims_of("damper_map")
     judged = [
-        f"spheres of {size} mm, {report_claims(MAPS.judge(claims_of('damper_map'), maps))}"
-        for size, maps in found.items()
+        f"spheres of {size} mm, {text}"
+        for size, maps in sizes.items()
+        for text in (
+            report_claims(MAPS.judge(claims, maps["dissipated"])),
+            judged_by_count(claims, maps),
+        )
+        if text
     ]
-    return paragraphs(completeness(rows, labels_of(panels()), SEEDS), table, *judged, _CRITERION)
+    return paragraphs(
+        completeness(first_packings(rows, labels), points, SEEDS),
+        packings_words(rows, labels),
+        steady_words(rows),
+        table,
+        *judged,
+        _CRITERION,
+    )
 
 
-def _line(
-    size: int, key: tuple[str, int], found: dict[int, dict[tuple[str, int], Ridges]]
-) -> list[str]:
+def _line(size: int, key: tuple[str, int], found: dict[int, Maps]) -> list[str]:
     one, (orientation, height) = found[size][key], key
     eta = one.result.efficiency
     best = int(np.nanargmax(eta))
@@ -93,6 +114,7 @@ def _line(
         orientation,
         f"{height} mm",
         f"{eta[best]:.3f}",
+        there(one, WALL_WORK, best),
         f"{one.result.frequency[best]:g}",
         f"{one.result.gamma[best]:g}",
         *_ridge(one, "fluidisation"),
@@ -123,7 +145,16 @@ def _compared(one: Ridges, standard: Ridges | None, size: int) -> list[str]:
 
 
 def draw(rows: list[Row]) -> "Figure":
-    """Contours with onset lines: a column for each size, a row for each fill and orientation."""
+    """Contours with onset lines: columns of sizes and counts, rows of fills and orientations."""
     from damper3d.reproduce.figures.maps import draw_chapter
 
-    return draw_chapter(by_size(rows))
+    sizes = by_size(rows)
+    several = any(len(maps.keys() & DRAWN) > 1 for maps in sizes.values())
+    return draw_chapter(
+        {
+            f"{size} mm, {words}" if several else f"{size} mm": maps[name]
+            for size, maps in sizes.items()
+            for name, words in DRAWN.items()
+            if name in maps
+        }
+    )

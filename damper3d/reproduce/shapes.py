@@ -123,7 +123,7 @@ def plan() -> list[Part]:
 
 
 def run(
-    *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: str
+    *, out: Path, seeds: Sequence[int], workers: int | None, quiet: bool, **engine: Any
 ) -> list[Row]:
     """All points of the table with their packings."""
     rows: list[Row] = []

@@ -20,6 +20,7 @@ REGISTRIES = {
     "damper_measured": ("damper3d.reproduce.measured.quantities", "MEASURED"),
     "damper_map": ("damper3d.reproduce.quantities.maps", "MAPS"),
     "damper_optimum": ("damper3d.reproduce.quantities.optima", "OPTIMA"),
+    "damper_overestimate": ("damper3d.reproduce.quantities.maps", "MAPS"),
     "damper_packing": ("damper3d.reproduce.quantities.packing", "PACKINGS"),
     "damper_phases": ("damper3d.reproduce.phases.quantities", "PHASE_MAPS"),
     "damper_printed": ("damper3d.reproduce.printed.quantities", "PRINTED"),

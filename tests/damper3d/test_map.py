@@ -191,10 +191,35 @@ def test_table_and_summary_hold_every_point_and_are_read_back(requested, tmp_pat
     assert len(points(result)) == 57
 
 
+@pytest.mark.parametrize("walls", [False, True])
 @pytest.mark.parametrize("grid", [SMALL, Grid((40,), (1, 3, 10)), Grid((40, 80), (3,))])
-def test_picture_is_made_of_any_grid(requested, tmp_path, grid):
+def test_picture_is_made_of_any_grid(requested, tmp_path, grid, walls):
+    """With the work of the walls beside what is dissipated, where runs have it."""
     result = made_map(tmp_path, grid)
+    if walls:
+        of_walls = [row | {"efficiency_wall_work": row["efficiency"] / 2} for row in result.rows]
+        result = MapResult.of(of_walls)
     prediction = predict(DamperCase.load("thesis"))
     found = ridges(result, prediction)
-    picture = write_figure(tmp_path / "map.png", lambda: draw_map(result, prediction, found))
+    figure = draw_map(result, prediction, found)
+    panels = [axes for axes in figure.axes if axes.get_xlabel()]
+    curves = [one.get_label() for axes in panels for one in axes.containers]
+    whole = min(len(grid.frequencies), len(grid.gammas)) > 1
+    assert len(panels) == (2 if walls and whole else 1)
+    assert ("work of the walls" in curves) == (walls and not whole)
+    picture = write_figure(tmp_path / "map.png", lambda: figure)
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_where_most_beds_settle_the_map_is_that_of_the_walls(requested, tmp_path):
+    """Runs whose bed settles have no efficiency; the work of their walls is a map all the same."""
+    result = made_map(tmp_path, Grid((20, 40, 80), (1, 3, 10)))
+    rows = [
+        row | {"efficiency_wall_work": row["efficiency"], "efficiency": None}
+        if (row["frequency_hz"], row["gamma"]) != (80, 3)
+        else row | {"efficiency_wall_work": row["efficiency"]}
+        for row in result.rows
+    ]
+    figure = draw_map(MapResult.of(rows), predict(DamperCase.load("thesis")), [])
+    titles = [axes.get_title(loc="left") for axes in figure.axes if axes.get_xlabel()]
+    assert titles == ["work of the walls"]

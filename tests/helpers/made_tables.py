@@ -15,17 +15,23 @@ def made_onset(labels, packing=0.64):
     return float(bouncing_bed_onset(labels["frequency_hz"], clearance))
 
 
-def made_table(packing=0.64, size_exponent=-0.2, ridge=0.38, scatter=0.01, tilt=0.0, lying=1.0):
+def made_table(
+    packing=0.64, size_exponent=-0.2, ridge=0.38, scatter=0.01, tilt=0.0, lying=1.0, walls=None
+):
     """In place of run_cases: a bouncing bed that peaks at eq. 6.11 for `packing`, times
     (d/5 mm)^size_exponent and a scatter from packing to packing; fluidisation of height `ridge`,
     times (f/40 Hz)^tilt, at a Gamma that goes with the inverse of that; `lying` times as high in
-    the horizontal case.
+    the horizontal case; where `walls` is given, a function of the labels, the walls' work is
+    that times what is dissipated, and so is either of a bed that is to be steady.
     """
 
     def run_cases(cases, *, out, **engine):
-        return [
-            _row(labels, packing, size_exponent, ridge, scatter, tilt, lying) for labels, _ in cases
-        ]
+        how = packing, size_exponent, ridge, scatter, tilt, lying
+        rows = [_row(labels, *how) for labels, _ in cases]
+        if walls is not None:
+            for row, (labels, case) in zip(rows, cases, strict=True):
+                by_walls(row, walls(labels), steady=case.settings.run.steady)
+        return rows
 
     return run_cases
 
@@ -50,3 +56,11 @@ def _row(labels, packing, size_exponent, ridge, scatter, tilt, lying):
         "state": "done",
         "reason": "",
     }
+
+
+def by_walls(row, share, *, steady):
+    """Give a row the walls' work; a steady bed has that as its efficiency too."""
+    row["efficiency_wall_work"] = share * row["efficiency"]
+    if steady:
+        row["efficiency"] = row["efficiency_wall_work"]
+        row |= {"efficiency_interval": None, "steady": True, "cycles": 24}

@@ -1,9 +1,11 @@
 """The tables of maps as figures: contours with onset lines, phases and peaks; small multiples."""
 
+import itertools
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from damper3d.reproduce.quantities.maps import Ridges
+from damper3d.reproduce.panels import ORIENTATIONS
+from damper3d.reproduce.quantities.maps import Maps, Ridges
 from damper3d.studies.map.chart import (
     LEVELS,
     draw_onsets,
@@ -19,40 +21,52 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def draw_panels(maps: Mapping[tuple[str, int], Ridges]) -> "Figure":
-    """A column for each orientation, with its own bar and legend, and in it a row a height."""
+def draw_panels(counts: Mapping[str, Maps]) -> "Figure":
+    """A column for each orientation and count, in it a row a height; a legend an orientation.
+
+    counts    the maps by what is counted, in words; the first has the phases
+    """
     from matplotlib.figure import Figure
 
-    orientations = list(dict.fromkeys(orientation for orientation, _ in maps))
-    heights = sorted({height for _, height in maps})
-    size = (1.0 + 6.2 * max(len(orientations), 1), 2.6 + 3.1 * max(len(heights), 1))
+    found = {key for maps in counts.values() for key in maps}
+    orientations = [o for o in ORIENTATIONS if o in {own for own, _ in found}]
+    heights = sorted({height for _, height in found})
+    size = (
+        1.0 + max(len(orientations), 1) * (1.0 + 5.2 * max(len(counts), 1)),
+        2.6 + 3.1 * max(len(heights), 1),
+    )
     figure = Figure(figsize=size, layout="constrained")
     headline(figure, "Efficiency of 358 spheres of 5 mm")
-    if not maps:
+    if not found:
         return figure
-    columns = figure.subfigures(1, len(orientations), squeeze=False)[0]
-    for column, orientation in zip(columns, orientations, strict=True):
-        *grid, below = column.subplots(
-            len(heights) + 1, 1, height_ratios=[*[1] * len(heights), 0.4]
-        )
-        for axes, height in zip(grid, heights, strict=True):
-            one = maps.get((orientation, height))
+    parts = figure.subfigures(1, len(orientations), squeeze=False)[0]
+    for part, orientation in zip(parts, orientations, strict=True):
+        upper, below = part.subfigures(2, 1, height_ratios=[len(heights), 0.4])
+        grid = upper.subplots(len(heights), len(counts), squeeze=False)
+        filled = None
+        for (row, height), (column, words) in itertools.product(
+            enumerate(heights), enumerate(counts)
+        ):
+            axes, one = grid[row, column], counts[words].get((orientation, height))
             if one is None or len(one.frequencies) < 2:
                 axes.axis("off")
                 continue
-            filled = _draw(axes, one)
+            filled = _draw(axes, one, named=column == 0)
             title = f"{orientation}, {height} mm, fill ratio {one.prediction.fill_ratio:.3f}"
-            axes.set_title(title, loc="left", fontsize=9)
-            column.colorbar(filled, ax=axes, label="efficiency [-]", ticks=LEVELS)
-        _legend(below, grid)
+            axes.set_title(f"{title}: {words}", loc="left", fontsize=9)
+        if filled is not None:
+            upper.colorbar(filled, ax=grid, label="efficiency [-]", ticks=LEVELS, shrink=0.3)
+        _legend(below.subplots(), list(grid.flat))
     return figure
 
 
-def _draw(axes: "Axes", one: Ridges) -> Any:
+def _draw(axes: "Axes", one: Ridges, *, named: bool) -> Any:
     filled = fill_contours(axes, one.result)
     draw_onsets(axes, one.prediction, one.result)
-    draw_points(axes, one.result)
-    draw_peaks(axes, one.peaks)
+    if named:
+        draw_points(axes, one.result)
+    # Where no interval of one packing is known, a small maximum may be noise.
+    draw_peaks(axes, [peak for peak in one.peaks if named or peak.ridge != "other"])
     plane(axes, one.result)
     return filled
 
@@ -69,8 +83,11 @@ def _legend(below: "Axes", panels: "list[Axes]") -> None:
     )
 
 
-def draw_chapter(maps: Mapping[int, Mapping[tuple[str, int], Ridges]]) -> "Figure":
-    """A column for each diameter, a row for each orientation and height; one legend, one bar."""
+def draw_chapter(maps: Mapping[str, Maps]) -> "Figure":
+    """A column for each entry, a row for each orientation and height; one legend, one bar.
+
+    maps    by what distinguishes a column, in words
+    """
     from matplotlib.figure import Figure
 
     found = {key for own in maps.values() for key in own}
@@ -83,7 +100,7 @@ def draw_chapter(maps: Mapping[int, Mapping[tuple[str, int], Ridges]]) -> "Figur
     grid = figure.subplots(len(keys), len(maps), squeeze=False, sharex=True, sharey=True)
     filled = None
     named: dict[str, Any] = {}
-    for column, (diameter, own) in zip(grid.T, maps.items(), strict=True):
+    for column, (words, own) in zip(grid.T, maps.items(), strict=True):
         for axes, key in zip(column, keys, strict=True):
             one = own.get(key)
             if one is None or len(one.frequencies) < 2:
@@ -92,7 +109,7 @@ def draw_chapter(maps: Mapping[int, Mapping[tuple[str, int], Ridges]]) -> "Figur
             filled = fill_contours(axes, one.result)
             draw_onsets(axes, one.prediction, one.result)
             _plane(axes, one)
-            axes.set_title(f"{diameter} mm, {key[0]}, {key[1]} mm", loc="left", fontsize=8)
+            axes.set_title(f"{words}, {key[0]}, {key[1]} mm", loc="left", fontsize=8)
             named |= dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
     if filled is not None:
         figure.colorbar(filled, ax=grid, label="efficiency [-]", ticks=LEVELS, shrink=0.25)

@@ -223,6 +223,31 @@ def optimum_by_fill(maps: Maps) -> list[Row]:
     return found
 
 
+@MAPS.quantity
+def overestimate(maps: Maps, by: str) -> list[Row]:
+    """Ratio of what is dissipated to another count, `by` its column: geometric mean over the fills.
+
+    Of each orientation, frequency and Gamma; where both are above zero and known.
+    """
+    found: dict[tuple[str, float, float], list[float]] = {}
+    for (orientation, _), one in maps.items():
+        result = one.result
+        if by not in result.columns:
+            continue
+        points = zip(
+            result.frequency.tolist(), result.gamma.tolist(), result.efficiency.tolist(),
+            result.mean(by).tolist(), strict=True,
+        )  # fmt: skip
+        for frequency, gamma, counted, other in points:
+            if counted > 0 and other > 0:  # NaN is not
+                found.setdefault((orientation, frequency, gamma), []).append(counted / other)
+    return [
+        {"orientation": key[0], "frequency_hz": key[1], "gamma": key[2],
+         "value": geometric_mean(own)}
+        for key, own in found.items()
+    ]  # fmt: skip
+
+
 def _common(each: Sequence[Mapping[float, Any]]) -> list[float]:
     """Frequencies that all have, rising."""
     return sorted(set.intersection(*map(set, each))) if each else []

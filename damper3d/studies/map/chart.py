@@ -1,5 +1,6 @@
 """An efficiency map as a picture: contours over frequency and Gamma, onset lines, peaks, phases."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -7,10 +8,10 @@ from numpy.typing import NDArray
 
 from damper3d.case.closed_forms import bouncing_bed_onset
 from damper3d.measures.phases.phase_map import draw_phase_map
-from damper3d.studies.map.grid import MapResult
+from damper3d.studies.map.grid import MapResult, counted
 from damper3d.studies.map.ridges import OnRidge
 from damper3d.studies.predict.prediction import Clearance, Prediction
-from granulab.campaign.output.figure import INK, PAPER, SKY, VERMILION, headline, ruled
+from granulab.campaign.output.figure import BLUE, INK, PAPER, SKY, VERMILION, headline, ruled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,37 +33,65 @@ _BETWEEN = 400  # points of the interpolation along Gamma
 def draw_map(result: MapResult, prediction: Prediction, on_ridges: list[OnRidge]) -> "Figure":
     """The map of a case with what is predicted and what was found; phases where runs have them.
 
-    Of one frequency, or of one Gamma, it is a curve against the other.
+    Of what is dissipated, and beside it of the work of the walls. Of one frequency, or of one
+    Gamma, both are curves against the other.
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(8.6, 5.6), layout="constrained")
+    counts = {"dissipated": result} | _by_the_walls(result)
+    maps = {words: one for words, one in counts.items() if _is_plane(one)}
+    figure = Figure(figsize=(3.0 + 5.6 * max(len(maps), 1), 5.6), layout="constrained")
     headline(
         figure,
         f"{prediction.name}: efficiency, fill ratio {prediction.fill_ratio:.3f}, "
         f"{prediction.orientation}",
     )
-    axes = figure.subplots()
-    if min(_values(result, result.frequency), _values(result, result.gamma)) > 1:
-        draw_contours(axes, result)
-        draw_onsets(axes, prediction, result)
-        draw_points(axes, result)
-        draw_peaks(axes, on_ridges)
-        plane(axes, result)
-    else:
-        _draw_curve(axes, result, prediction)
-    figure.legend(loc="outside right upper", labelspacing=0.7)
+    panels = figure.subplots(1, max(len(maps), 1), squeeze=False)[0]
+    if not maps:
+        _draw_curves(panels[0], counts, prediction)
+    for axes, (words, one) in zip(panels, maps.items(), strict=False):
+        draw_contours(axes, one)
+        draw_onsets(axes, prediction, one)
+        if axes is panels[0]:
+            draw_points(axes, one)
+        if one is result:
+            draw_peaks(axes, on_ridges)
+        plane(axes, one)
+        if len(counts) > 1:
+            axes.set_title(words, loc="left", fontsize=9)
+    legend = {
+        label: handle
+        for axes in panels
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    figure.legend(legend.values(), legend.keys(), loc="outside right upper", labelspacing=0.7)
     return figure
 
 
-def _draw_curve(axes: "Axes", result: MapResult, prediction: Prediction) -> None:
-    """The efficiency with its intervals, along the quantity of which there are several values."""
+def _by_the_walls(result: MapResult) -> dict[str, MapResult]:
+    """The map with the work of the walls as its efficiency, by its name; {} where no run has it."""
+    column = "efficiency_wall_work"
+    if column not in result.columns:
+        return {}
+    return {"work of the walls": MapResult.of(counted(result.rows, column))}
+
+
+def _is_plane(result: MapResult) -> bool:
+    """True where several frequencies and several Gammas have an efficiency."""
+    return min(_values(result, result.frequency), _values(result, result.gamma)) > 1
+
+
+def _draw_curves(axes: "Axes", counts: Mapping[str, MapResult], prediction: Prediction) -> None:
+    """The efficiencies with their intervals, along the quantity of which there are several."""
+    result = list(counts.values())[-1]  # of the last count no point lacks that another has
     along_gamma = _values(result, result.frequency) == 1
-    x = result.gamma if along_gamma else result.frequency
-    axes.errorbar(
-        x, result.efficiency, yerr=np.nan_to_num(result.half_width), fmt="o-", color=INK, ms=4,
-        capsize=2, label="simulated",
-    )  # fmt: skip
+    looks = ("o-", INK), ("s--", BLUE)
+    for (label, one), (style, colour) in zip(counts.items(), looks, strict=False):
+        x = one.gamma if along_gamma else one.frequency
+        axes.errorbar(
+            x, one.efficiency, yerr=np.nan_to_num(one.half_width), fmt=style, color=colour, ms=4,
+            capsize=2, label=label,
+        )  # fmt: skip
     if along_gamma:
         for clearance in prediction.clearances:
             onset = clearance.onset(float(result.frequency[0]))
@@ -72,7 +101,7 @@ def _draw_curve(axes: "Axes", result: MapResult, prediction: Prediction) -> None
     ruled(axes)
     label = "Γ [-]" if along_gamma else "frequency [Hz]"
     axes.set(xscale="log", xlabel=label, ylabel="efficiency [-]", ylim=(0, None))
-    _plain_ticks(axes.xaxis, _GAMMAS if along_gamma else _spaced(np.unique(x)))
+    _plain_ticks(axes.xaxis, _GAMMAS if along_gamma else _spaced(np.unique(result.frequency)))
     fixed = f"{result.frequency[0]:g} Hz" if along_gamma else f"Γ = {result.gamma[0]:g}"
     axes.set_title(fixed, loc="left", fontsize=9)
 

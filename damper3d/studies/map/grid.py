@@ -30,6 +30,8 @@ FREQUENCIES = (20.0, 40.0, 80.0, 125.0, 160.0, 200.0, 320.0, 625.0, 1024.0)  # [
 GAMMAS = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0, 15.0, 20.0, 30.0, 40.0, 50.0,
           60.0, 80.0, 100.0)  # fmt: skip
 
+STEEP = 0.2  # change of the efficiency to the next Gamma, from which on a map is steep
+
 
 @dataclass(frozen=True)
 class Grid:
@@ -154,6 +156,25 @@ class MapResult:
                 self.gamma[chosen], self.efficiency[chosen], self.half_width[chosen]
             )
         ]
+
+    def steep(self) -> list[tuple[float, float]]:
+        """The points whose efficiency is more than STEEP from that of the next Gamma."""
+        found = []
+        for frequency in np.unique(self.frequency):
+            chosen = self.at(frequency)
+            apart = np.flatnonzero(np.abs(np.diff(self.efficiency[chosen])) > STEEP)
+            beside = chosen[np.union1d(apart, apart + 1)]
+            found += [(float(frequency), float(gamma)) for gamma in self.gamma[beside]]
+        return found
+
+
+def counted(rows: Iterable[dict[str, Any]], column: str) -> Rows:
+    """The rows with another column as their efficiency; its interval is that column's, or None."""
+    interval = column.replace("efficiency", "efficiency_interval")
+    return [
+        row | {"efficiency": row.get(column), "efficiency_interval": row.get(interval)}
+        for row in rows
+    ]
 
 
 def efficiency_map(

@@ -86,6 +86,12 @@ class Quantities:
 
         return [Verdict(c, [x for one in c.criteria for x in checks(one)]) for c in claims]
 
+    def judge_each(
+        self, claims: Sequence[Claim], readings: Mapping[str, Any]
+    ) -> dict[str, list[Verdict]]:
+        """The verdicts by each of several readings of the same runs, such as counts."""
+        return {name: self.judge(claims, own) for name, own in readings.items()}
+
 
 def _checks(criterion: Criterion, items: "DataFrame") -> list[Check]:
     """A check for each group that the criterion names, or one for all items."""
@@ -119,6 +125,28 @@ def report_claims(verdicts: Sequence[Verdict]) -> str:
     if unknown:
         head += f", {unknown} cannot be judged yet ({_WORDS[None]})"
     return "\n".join([head, *(line for one in verdicts for line in _lines(one))])
+
+
+def report_each(found: Mapping[str, Sequence[Verdict]]) -> str:
+    """Return how many claims hold by each reading, and what decided on those that turn.
+
+    A claim turns where it holds by one reading and fails by another.
+    """
+    counts = {name: [one.holds for one in own] for name, own in found.items()}
+    heads = [
+        f"{name} {holds.count(True)} of {len(holds) - holds.count(None)}"
+        for name, holds in counts.items()
+    ]
+    claims = list(zip(*found.values(), strict=True))
+    turning = [own for own in claims if {True, False} <= {one.holds for one in own}]
+    lines = [f"claims that hold by each count: {', '.join(heads)}; {len(turning)} turn"]
+    for own in turning:
+        lines.append(f"  turns: {own[0].words}")
+        width = max(map(len, found))
+        for name, one in zip(found, own, strict=True):
+            decided = "; ".join(check.found or "no run" for check in one.checks)
+            lines.append(f"    {_WORDS[one.holds]}  {name:{width}}  {decided}")
+    return "\n".join(lines)
 
 
 def _lines(one: Verdict) -> list[str]:

@@ -3,7 +3,7 @@
 import importlib
 import inspect
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
@@ -39,7 +39,8 @@ class PublishedTable(Protocol):
     ) -> list[Row]:
         """All runs of the table, a row each; those that are there are not done again.
 
-        Tables of labelled runs take `engine`, `scheduler` and `known`, see run_labelled.
+        Tables of labelled runs take `engine`, `scheduler` and `known`, see run_labelled; some
+        take flags of their simulator's command.
         """
 
     def report(self, rows: list[Row]) -> str:
@@ -54,11 +55,13 @@ def reproduce_command(
     package: str,
     simulator: Callable[[], "Simulator"],
     engines: list[str] = ENGINES,
+    flags: Mapping[str, str] | None = None,
 ) -> click.Command:
     """The command `reproduce` of a simulator.
 
     purpose: text of its --help; package: of the tables, which has their names and texts (TABLES)
-    and a module for each; engines: where its runs may go.
+    and a module for each; engines: where its runs may go; flags: names and texts of further ones,
+    which only the tables take whose `run` does.
     """
 
     @click.command(help=purpose)
@@ -80,9 +83,29 @@ def reproduce_command(
             click.echo("\n".join(f"{name:12} {text}" for name, text in texts))
             return
         found = find_table(package, table)
-        reproduce_table(simulator(), table, found, **options)
+        given = [name for name in flags or () if options.pop(name)]
+        for name in given:
+            _refuse_unless_taken(package, table, name)
+        reproduce_table(simulator(), table, found, flags=given, **options)
 
+    for name, text in (flags or {}).items():
+        reproduce = click.option(f"--{name}", is_flag=True, help=text)(reproduce)
     return reproduce
+
+
+def _refuse_unless_taken(package: str, table: str, flag: str) -> None:
+    """UsageError where a table does not take a flag, with those that do."""
+    names = importlib.import_module(package).TABLES
+    takers = [name for name in names if flag in _parameters(find_table(package, name))]
+    if table not in takers:
+        raise click.UsageError(
+            f"--{flag}: {table} does not take it; leave it out, or take {' or '.join(takers)}"
+        )
+
+
+def _parameters(table: PublishedTable) -> Mapping[str, inspect.Parameter]:
+    """The parameters of a table's `run`, by name."""
+    return inspect.signature(table.run).parameters
 
 
 def find_table(package: str, name: str) -> PublishedTable:
@@ -109,12 +132,14 @@ def reproduce_table(
     scheduler: str | None,
     as_json: bool,
     quiet: bool,
+    flags: Sequence[str] = (),
 ) -> None:
     """Compute a table, print it, and keep it as reproduce-NAME.csv, .parquet, .txt and .png.
 
     add: rows that are done in the CSV file that is there are kept, and only the others run; they
     are matched by their labels. Where a version of the sources made them that is another one, a
-    line says so, and the head of the new files does.
+    line says so, and the head of the new files does. flags: those that the table takes and that
+    were given.
 
     Raises Ended where runs lack or failed, click.UsageError for options that do not go with the
     table, and FolderError where a folder cannot be written: before anything is run, or at the end,
@@ -126,6 +151,7 @@ def reproduce_table(
 
     numbers = _numbers(seeds, workers, table)
     where = _of_labelled_runs(name, table, engine=engine, scheduler=scheduler, add=add)
+    where |= dict.fromkeys(flags, True)
     refuse_unless_writable(Path(out), "--out")  # before the hours of work, not after them
     refuse_unless_writable(Path(write or out), "--write")
     kept: list[str] = []
@@ -135,7 +161,9 @@ def reproduce_table(
     text = table.report(rows)
     click.echo(json.dumps({"table": name, "rows": rows}, indent=2) if as_json else on_screen(text))
     _stop_unless_whole(rows)
-    lines = origin(f"{simulator.name} reproduce {name} --seeds {len(numbers)}", simulator) + kept
+    command = [simulator.name, "reproduce", name, "--seeds", str(len(numbers))]
+    command += [f"--{flag}" for flag in flags]
+    lines = origin(" ".join(command), simulator) + kept
     files = write_results(
         Path(write or out), f"reproduce-{name}", rows, lines, text, lambda: table.draw(rows),
         table.COLUMNS,
@@ -172,7 +200,7 @@ def _of_labelled_runs(
         raise click.UsageError("--scheduler goes with --engine dask")
     given: dict[str, Any] = {"engine": engine, "scheduler": scheduler}
     given = {key: value for key, value in given.items() if value is not None}
-    takes = inspect.signature(table.run).parameters.values()
+    takes = _parameters(table).values()
     labelled = any(p.kind is p.VAR_KEYWORD or p.name == "engine" for p in takes)
     if given and not labelled:
         raise click.UsageError(f"--engine: {name} is computed on this machine only; leave it out")

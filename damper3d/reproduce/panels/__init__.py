@@ -1,5 +1,6 @@
 """Run plans of the tables: dampers of Table 6.1 as panels, cases to rows, and what rows lack."""
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -87,9 +88,12 @@ def run_all(
 
 
 def run_panels(
-    panels: Sequence[Panel], seeds: Sequence[int], *, refine: int = 0, quiet: bool, **options: Any
-) -> list[Row]:
+    panels: Sequence[Panel], seeds: Sequence[int], *, refine: int = 0, steep: int = 1, quiet: bool,
+    **options: Any,
+) -> list[Row]:  # fmt: skip
     """All points of all panels; then, `refine` times, the middles next to each peak along Gamma.
+
+    steep    packings of the points at which a panel is steep (MapResult.steep), the last round
 
     A round begins when the one before is whole, so that whatever was interrupted comes to the same
     points; see damper3d.studies.map.grid. `options` are those of run_all.
@@ -108,7 +112,21 @@ def run_panels(
         if not quiet:
             click.echo(f"refinement {number} of {refine} about the peaks:", err=True)
         rows += run_all(added, quiet=quiet, **options)
+    more = range(max(seeds) + 1, steep + 1)
+    if more and not stopped(rows):
+        points = [(panel, MapResult.of(panel.of(rows)).steep()) for panel in panels]
+        cases = [case for panel, own in points for case in panel.cases(more, own)]
+        if cases and not quiet:
+            click.echo(f"{steep} packings where the map is steep:", err=True)
+        rows += run_all(cases, quiet=quiet, **options) if cases else []
     return rows
+
+
+def first_packings(rows: Sequence[Row], labels: Sequence[str]) -> list[Row]:
+    """The rows of the seeds that every point of a table has; steep ones may have more."""
+    counts = Counter(tuple(row[name] for name in labels) for row in rows)
+    seeds = sorted({row["seed"] for row in rows})[: min(counts.values(), default=0)]
+    return [row for row in rows if row["seed"] in seeds]
 
 
 def panel(
