@@ -128,6 +128,15 @@ def test_rows_that_are_known_are_not_run_again(made, tmp_path):
     assert all(case.settings.run.steady for _, case in asked)
 
 
+def test_no_steady_bed_is_begun_after_an_interruption(made, monkeypatch):
+    """The same command goes on: first the points, then their steady beds."""
+    rows, _ = made(steady=False)
+    cut_off = [row | {"state": "interrupted"} if k % 2 else row for k, row in enumerate(rows)]
+    monkeypatch.setattr(counts, "run_panels", lambda *_, **options: cut_off)
+    found, asked = made()
+    assert (found, asked) == (cut_off, [])
+
+
 def test_verdicts_are_given_by_each_count_and_those_that_turn_are_shown(made):
     """Eta rises with frequency as it is dissipated, and falls by what the walls give of it."""
     rows, _ = made(tilt=0.2, walls=lambda labels: (80 / labels["frequency_hz"]) ** 0.5)

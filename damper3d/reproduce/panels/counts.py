@@ -20,7 +20,7 @@ from damper3d.reproduce.quantities.maps import MAPS, Maps, Ridges, ridges_by_pan
 from damper3d.studies.map.grid import STEEP, MapResult, counted
 from granulab.campaign.claims.claim import Claim
 from granulab.campaign.claims.judge import report_each
-from granulab.campaign.output.layout import done
+from granulab.campaign.output.layout import done, stopped
 
 WALL_WORK = "efficiency_wall_work"
 STEADY = "steady."
@@ -74,7 +74,8 @@ def run_of_maps(panels: Callable[[], Sequence[Panel]]) -> Callable[..., list[Row
     ) -> list[Row]:  # fmt: skip
         chosen = panels() if grid is None else grid
         rows = run_panels(chosen, seeds, steep=PACKINGS, **options)
-        return _with_steady(chosen, rows, **options) if steady else rows
+        more = steady and not stopped(rows)
+        return _with_steady(chosen, rows, **options) if more else rows
 
     return run
 
