@@ -55,7 +55,7 @@ app = command_group(
             "damper3d.reproduce",
             _simulator,
             ENGINES_AND_GPU,
-            {"steady": "Also beds that are shaken until they are steady, beside what is printed."},
+            {"steady": "Also beds that are shaken until their cycles are alike."},
         ),
         predict.predict,
         pack.pack,

@@ -17,8 +17,6 @@ from damper3d.reproduce.panels import (
     SPHERES,
     Panel,
     Row,
-    completeness,
-    first_packings,
     labels_of,
     panel,
 )
@@ -28,9 +26,8 @@ from damper3d.reproduce.panels.counts import (
     WALL_WORK,
     by_count,
     judged_by_count,
-    packings_words,
     run_of_maps,
-    steady_words,
+    standing,
     there,
 )
 from damper3d.reproduce.quantities.maps import (
@@ -78,8 +75,8 @@ def by_size(rows: Sequence[Row]) -> dict[int, dict[str, Maps]]:
 
 def report(rows: list[Row]) -> str:
     """Return what lacks, a line for each map, and the claims about the maps of each size."""
-    sizes, points = by_size(rows), labels_of(panels())
-    found, labels = {size: maps["dissipated"] for size, maps in sizes.items()}, list(points[0])
+    sizes = by_size(rows)
+    found = {size: maps["dissipated"] for size, maps in sizes.items()}
     table = columns(
         ["size", "orientation", "height", "best eta", "of walls", "at f [Hz]", "Gamma",
          "fluidisation", "f^", "eta", "bouncing bed", "f^", "eta", "against 5 mm", "rms"],
@@ -96,9 +93,7 @@ def report(rows: list[Row]) -> str:
         if text
     ]
     return paragraphs(
-        completeness(first_packings(rows, labels), points, SEEDS),
-        packings_words(rows, labels),
-        steady_words(rows),
+        standing(rows, labels_of(panels()), SEEDS),
         table,
         *judged,
         _CRITERION,

@@ -14,8 +14,6 @@ from damper3d.reproduce.panels import (
     PANEL_COLUMNS,
     Panel,
     Row,
-    completeness,
-    first_packings,
     labels_of,
     panel,
 )
@@ -26,9 +24,8 @@ from damper3d.reproduce.panels.counts import (
     WALL_WORK,
     by_count,
     judged_by_count,
-    packings_words,
     run_of_maps,
-    steady_words,
+    standing,
     there,
 )
 from damper3d.reproduce.quantities.maps import MAPS, Maps, Ridges
@@ -65,8 +62,8 @@ run = run_of_maps(panels)
 
 def report(rows: list[Row]) -> str:
     """Return what lacks, the ridges of each map, the claims by each count, shares of the phases."""
-    maps, points = by_count(rows), labels_of(panels())
-    found, labels = maps.get("dissipated", {}), list(points[0])
+    maps = by_count(rows)
+    found = maps.get("dissipated", {})
     table = columns(
         ["orientation", "height", "f [Hz]", "fluidisation", "eta", "bouncing bed", "eta", "CP",
          "best Gamma", "eta", "of walls", "steady"],
@@ -74,9 +71,7 @@ def report(rows: list[Row]) -> str:
     )  # fmt: skip
     claims = claims_of("damper_map")
     return paragraphs(
-        completeness(first_packings(rows, labels), points, SEEDS),
-        packings_words(rows, labels),
-        steady_words(rows),
+        standing(rows, labels_of(panels()), SEEDS),
         table,
         report_claims(MAPS.judge(claims, found)),
         judged_by_count(claims, maps),

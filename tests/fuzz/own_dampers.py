@@ -9,17 +9,13 @@ the interval of its blocks. A line a design says what each shorter run had, what
 (damper3d.run.steady.verdict), and whether the two intervals have a point in common.
 """
 
-import argparse
 import math
-import multiprocessing
-import tempfile
 from collections import Counter
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from own_silos import table
+from own_silos import log_uniform, study
 
 from damper3d.case.case import DamperCase
 from damper3d.run.protocol import run
@@ -38,7 +34,7 @@ def drawn_design(number: int) -> dict[str, Any]:
     size = rng.uniform(3.0, 8.0)  # mm
     kind = rng.choice(["sphere", "prolate:1.5", "oblate:0.7", "toroid:0.2"], p=[0.7, 0.1, 0.1, 0.1])
     width = size * rng.uniform(4.0, 9.0)
-    frequency = _log_uniform(rng, 30.0, 800.0)
+    frequency = log_uniform(rng, 30.0, 800.0)
     particles: dict[str, Any] = {"particles.shape": f"sphere:{size:.2f}mm"}
     if kind != "sphere":
         particles = {
@@ -56,13 +52,9 @@ def drawn_design(number: int) -> dict[str, Any]:
             rng.choice(["vertical", "horizontal", "none"], p=[0.5, 0.4, 0.1])
         ),
         "motion.frequency": round(frequency, 1),
-        "motion.gamma": round(_log_uniform(rng, 1.0, 60.0), 2),
+        "motion.gamma": round(log_uniform(rng, 1.0, 60.0), 2),
         "output.keep": "summary",
     }
-
-
-def _log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
-    return float(np.exp(rng.uniform(math.log(low), math.log(high))))
 
 
 def cases_of(number: int) -> dict[int, DamperCase]:
@@ -147,32 +139,11 @@ def report(rows: list[dict[str, Any]]) -> str:
             names = f" ({', '.join(row['design'] for row in far)})" if far else ""
             lines.append(
                 f"  says {says!r}: {len(own)}; the interval holds the steady answer in {hold}, "
-                f"is beside it by more than {100 * FAR:g} % in {len(far)}{names}"
+                f"is off by more than {100 * FAR:g} % in {len(far)}{names}"
             )
     lines += [f"{row['design']} {row['outcome']}: {row['said']}" for row in rows if "said" in row]
     return "\n".join(lines)
 
 
-def main() -> None:
-    """Run the designs, print what they came to, and keep the table where that is wanted."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--cases", type=int, default=40)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--out", type=Path, default=Path(tempfile.gettempdir()) / "own-dampers")
-    parser.add_argument("--write", type=Path, help="table to write (CSV); the words go beside it")
-    args = parser.parse_args()
-    rows = []
-    with multiprocessing.get_context("spawn").Pool(args.workers) as pool:
-        numbers = range(args.first, args.first + args.cases)
-        for row in pool.imap(partial(tried, folder=args.out), numbers):
-            rows.append(row)
-            print(*(f"{v:.4g}" if isinstance(v, float) else v for v in row.values()), flush=True)
-    print(report(rows))
-    if args.write:
-        args.write.write_text(table(rows), encoding="utf-8")
-        args.write.with_suffix(".txt").write_text(report(rows) + "\n", encoding="utf-8")
-
-
 if __name__ == "__main__":
-    main()
+    study(__doc__, 40, "own-dampers", tried, report)

@@ -14,6 +14,7 @@ import io
 import math
 import multiprocessing
 import tempfile
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -36,7 +37,7 @@ def drawn_case(number: int, smaller: float = 1.0) -> dict[str, str]:
     smaller: by how much the number of particles is divided.
     """
     rng = np.random.default_rng([18, number])
-    size = _log_uniform(rng, 1.0, 30.0)  # [mm]
+    size = log_uniform(rng, 1.0, 30.0)  # [mm]
     shapes = [_shape(rng, size * rng.uniform(0.8, 1.25)) for _ in range(rng.integers(1, 5))]
     thinnest = min(_width(np.array(shape)) for shape in shapes)
     area = float(np.mean([_area(np.array(shape)) for shape in shapes]))
@@ -52,7 +53,7 @@ def drawn_case(number: int, smaller: float = 1.0) -> dict[str, str]:
     }
 
 
-def _log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
+def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
     return float(np.exp(rng.uniform(math.log(low), math.log(high))))
 
 
@@ -83,7 +84,7 @@ def _width(outline: np.ndarray) -> float:
 
 def _materials(rng: np.random.Generator) -> str:
     """A table of two materials and their pairs, damping by its constant or by the restitution."""
-    kn = _log_uniform(rng, 30.0, 3e4)  # [N/mm]
+    kn = log_uniform(rng, 30.0, 3e4)  # [N/mm]
     pairs = []
     for other in ("seed", "wall"):
         e, mu = rng.uniform(0.1, 0.95), rng.choice([0.0, rng.uniform(0.05, 1.0)], p=[0.05, 0.95])
@@ -93,20 +94,20 @@ def _materials(rng: np.random.Generator) -> str:
             f'[pair.seed-{other}.linear]\nkn = {{ value = "{kn:.4g} N/mm", method = "press", '
             f'source = "own" }}\nkt = {{ value = "{kn * rng.uniform(0.05, 1.0):.4g} N/mm", method '
             '= "press", source = "own" }\n'
-            f'gamma_n = {{ value = "{_log_uniform(rng, 30, 1e4):.4g} 1/s", method = "drop", '
+            f'gamma_n = {{ value = "{log_uniform(rng, 30, 1e4):.4g} 1/s", method = "drop", '
             'source = "own" }\ngamma_t = { value = "3 1/s", method = "incline", source = "own" }\n'
         )
     return (
         "schema = 1\n[material.seed]\n"
-        f'density = {{ value = "{_log_uniform(rng, 0.3, 8.0):.3g} g/cm3", source = "own" }}\n'
-        f'length = {{ value = "{_log_uniform(rng, 5.0, 200.0):.3g} mm", source = "own" }}\n'
+        f'density = {{ value = "{log_uniform(rng, 0.3, 8.0):.3g} g/cm3", source = "own" }}\n'
+        f'length = {{ value = "{log_uniform(rng, 5.0, 200.0):.3g} mm", source = "own" }}\n'
         '[material.wall]\ndensity = { value = "2.7 g/cm3", source = "own" }\n' + "".join(pairs)
     )
 
 
 def _case(rng: np.random.Generator, number: int, size: float, area: float, smaller: float) -> str:
     """A case file; all lengths of the silo go with the size [mm] and mean area of the particles."""
-    wanted = _log_uniform(rng, 60, MOST_PARTICLES) / smaller
+    wanted = log_uniform(rng, 60, MOST_PARTICLES) / smaller
     slender = rng.uniform(0.8, 3.0)  # height over width
     width = max(math.sqrt(wanted * area / slender), 5.0 * size)
     outlet = min(rng.uniform(3.0, 9.0) * size, 0.8 * width)
@@ -227,14 +228,24 @@ def table(rows: list[dict[str, Any]]) -> str:
     return text.getvalue()
 
 
-def main() -> None:
-    """Run the cases, print what they came to, and keep the table where that is wanted."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--cases", type=int, default=200)
+def study(
+    doc: str | None, cases: int, name: str,
+    tried: Callable[..., dict[str, Any]], report: Callable[[list[dict[str, Any]]], str],
+) -> None:  # fmt: skip
+    """Run drawn cases from the command line, print what they came to, and keep the table if wanted.
+
+    doc       of the command's help
+    cases     how many by default
+    name      of the folder of runs, in the system's temporary one
+    tried     gives the row of a case from its number and `folder`
+    report    puts all rows into words
+    """
+    parser = argparse.ArgumentParser(description=doc)
+    parser.add_argument("--cases", type=int, default=cases)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--out", type=Path, default=Path(tempfile.gettempdir()) / "own-silos")
-    parser.add_argument("--write", type=Path, help="table to write (CSV); the words go beside it")
+    parser.add_argument("--out", type=Path, default=Path(tempfile.gettempdir()) / name)
+    parser.add_argument("--write", type=Path, help="table to write (CSV); the words go with it")
     args = parser.parse_args()
     rows = []
     with multiprocessing.get_context("spawn").Pool(args.workers) as pool:
@@ -249,4 +260,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    study(__doc__, 200, "own-silos", tried, report)

@@ -15,12 +15,19 @@ from typing import Any
 import click
 
 from damper3d.measures.efficiency import settling
-from damper3d.reproduce.panels import Panel, Row, first_packings, run_all, run_panels
+from damper3d.reproduce.panels import (
+    Panel,
+    Row,
+    completeness,
+    first_packings,
+    run_all,
+    run_panels,
+)
 from damper3d.reproduce.quantities.maps import MAPS, Maps, Ridges, ridges_by_panel
 from damper3d.studies.map.grid import STEEP, MapResult, counted
 from granulab.campaign.claims.claim import Claim
 from granulab.campaign.claims.judge import report_each
-from granulab.campaign.output.layout import done, stopped
+from granulab.campaign.output.layout import done, paragraphs, stopped
 
 WALL_WORK = "efficiency_wall_work"
 STEADY = "steady."
@@ -89,6 +96,16 @@ def by_count(rows: Sequence[Row]) -> dict[str, Maps]:
 def judged_by_count(claims: Sequence[Claim], maps: Mapping[str, Maps]) -> str:
     """Return how many claims hold by each count, and those that turn; "" for a single count."""
     return report_each(MAPS.judge_each(claims, maps)) if len(maps) > 1 else ""
+
+
+def standing(rows: Sequence[Row], points: Sequence[Row], seeds: int) -> str:
+    """Return how much of a table there is, its packings, and its steady beds; see completeness."""
+    labels = list(points[0])
+    return paragraphs(
+        completeness(first_packings(rows, labels), points, seeds),
+        packings_words(rows, labels),
+        steady_words(rows),
+    )
 
 
 def packings_words(rows: Sequence[Row], labels: Sequence[str]) -> str:
