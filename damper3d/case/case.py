@@ -336,6 +336,17 @@ class DamperCase:
         together = self.together.model_copy(update={"host": host})
         return replace(self.dampers[k], dampers=self.dampers, together=together)
 
+    @property
+    def settling(self) -> "DamperCase":
+        """The case while its particles settle, with the friction that they settle with."""
+        friction = self.settings.fill.friction
+        if friction is True:
+            return self
+        pairings = tuple(
+            replace(one, law=one.law._replace(mu=float(friction))) for one in self.pairings
+        )
+        return replace(self, pairings=pairings)
+
     def with_seed(self, seed: int) -> "DamperCase":
         """The case with another seed, from which those of several dampers follow."""
         if self.together is None:
@@ -488,7 +499,7 @@ class DamperCase:
             "wall_curvature": law.wall_curvature,
             **model,
             "settling_gravity": self.settling_gravity,
-            "fill": self.settings.fill.model_dump(),
+            "fill": self.settings.fill.model_dump(include={"settle_time"}),
             "fill_time_step": self.steps.free,
             "seed": self.settings.run.seed,
         }
@@ -501,6 +512,8 @@ class DamperCase:
             more["walls"] = self.wall_kinds
         if self.bed is not None:
             more["bed"] = self.bed.identity
+        if self.settings.fill.friction is not True:
+            more["fill_friction"] = float(self.settings.fill.friction)
         if law.cohesion is not None:
             more["cohesion"] = [law.cohesion, law.surface_energy]
         if law.rolling_friction is not None:

@@ -32,6 +32,7 @@ from granulab.contact.files.casefile import (
     Time,
     Unit,
     Velocity,
+    YesOrNumber,
     folder_name,
     key,
     read,
@@ -178,7 +179,7 @@ class Particles(Section):
 
     shape: str = key(
         "sphere:5mm", 'spheres by diameter (the thesis has 3, 4, 5 and 6 mm), or a shape such as '
-        '"prolate:1.5", "oblate:0.7" (aspect ratio), "toroid:0.2" (hole ratio), '
+        '"prolate:1.5", "oblate:0.7", "oblate_grid:0.7" (aspect ratio), "toroid:0.2" (hole ratio), '
         '"superquadric:1,1,0.5,0.5" (b/a, c/a, e1, e2), "cylinder:1.5,0.2" (length, rounding), '
         '"mesh:rock.stl"; see damper3d shape --help', option="--particles",
         metavar="sphere:5mm|prolate:1.5|oblate:0.7|toroid:0.2|mesh:FILE",
@@ -507,6 +508,9 @@ class Fill(Section):
 
     settle_time: Time = key(
         0.2, "time of settling under gravity, before the motion begins", example="0.2 s"
+    )
+    friction: YesOrNumber = key(
+        True, "friction while they settle; true: that of the motion; false: none; or a number"
     )
 
 

@@ -12,6 +12,7 @@ from granulab.campaign.cli.commandline import json_option
 _SHAPES = [
     ("prolate", "2", "Spheroid of this aspect ratio a/b, 1 to 10."),
     ("oblate", "0.7", "Spheroid of this aspect ratio, 0.2 to 1."),
+    ("oblate-grid", "0.7", "The same as the thesis made it, of nine sub-spheres; 0.5 to 0.95."),
     ("toroid", "0.2", "Of this hole ratio (a - b)/(a + b), 0 to 0.8."),
     ("superquadric", "1,1,0.5,0.5", "Of b/a, c/a and the exponents e1, e2."),
     ("cylinder", "1.5,0.2", "Of this length over diameter, and radius of edges over its own."),
@@ -50,9 +51,8 @@ def shape(
     """
     named = {kind: value for kind, value in shapes.items() if value is not None}
     if len(named) != 1:
-        raise click.UsageError(
-            f"give one shape, such as --prolate 2; there are --{', --'.join(shapes)}"
-        )
+        options = ", ".join(f"--{name}" for name, *_ in _SHAPES)
+        raise click.UsageError(f"give one shape, such as --prolate 2; there are {options}")
     from damper3d.case.case import DamperCase
     from damper3d.case.parts import particle_wanted
     from damper3d.shapes.errors import curve, errors_of

@@ -12,6 +12,7 @@ Row = dict[str, Any]
 
 # name of the module, as in `damper3d reproduce TABLE`: what it shows
 TABLES: dict[str, str] = {
+    "causes": "the onset's rise to prolates, by what the thesis leaves open (thesis, Fig. 8.11)",
     "chapter": "the maps of 4 sizes, 4 fills and 2 orientations (thesis, chapter 6)",
     "cycles": "within the cycle (thesis, Figs 6.7, 6.10, 6.16 and 6.18)",
     "design-rules": "the design rules and the shape rule (thesis, secs 9.2 and 9.3)",

@@ -1,10 +1,11 @@
 """Chapter 8: what the particles' shape does to the best Gamma and to the efficiency.
 
-Spheroids and toroids of Tables 8.1 and 8.2 with the thesis's sum of sub-sphere contacts. Onsets of
-the bouncing bed at 20 and 40 Hz in both orientations (Figs 8.9-8.14), those of 40 Hz refined twice
-about each peak, as the Gammas of 20 Hz lie closer; vertical curves from 125 to 1024 Hz (Figs 8.21,
-8.23, 8.25); the properties of Fig. 8.20; and for two shapes the other multi-contact
-models. High frequencies and 20 Hz take every third packing, for their cost.
+Spheroids and toroids of Tables 8.1 and 8.2 with the thesis's sum of sub-sphere contacts, and its
+own oblates of nine sub-spheres with the true ones. Onsets of the bouncing bed at 20 and 40 Hz in
+both orientations (Figs 8.9-8.14), those of 40 Hz refined twice about each peak, as the Gammas of
+20 Hz lie closer; curves from 125 to 1024 Hz in both (Figs 8.21, 8.23, 8.25, E.1, E.3, E.5); the
+properties of Fig. 8.20; and for two shapes the other multi-contact models. High frequencies and
+20 Hz take every third packing, for their cost.
 """
 
 import itertools
@@ -28,6 +29,7 @@ from damper3d.reproduce.quantities.optima import Optimum, pooled_scatter, with_s
 from damper3d.reproduce.quantities.properties import STANDARD, VALUES, change
 from damper3d.reproduce.quantities.shapes import (
     BOUNCING,
+    GRIDDED,
     HEIGHT,
     SHAPES,
     Found,
@@ -35,11 +37,12 @@ from damper3d.reproduce.quantities.shapes import (
     Readings,
     Shape,
     bouncing_lines,
+    gridded,
     onsets,
     optima,
     particle_text,
     shapes,
-    sphericities,
+    sphericity,
 )
 from damper3d.studies.map.grid import GAMMAS
 from granulab.campaign.claims.claim import claims_of
@@ -56,7 +59,7 @@ COLUMNS = (
 )  # fmt: skip
 SELDOM = 3  # every third packing alone runs what costs most
 REFINE = 2
-FLUIDISED = 125.0, 160.0, 200.0, 320.0, 625.0, 1024.0  # Hz of Figs 8.21-8.26, vertical
+FLUIDISED = 125.0, 160.0, 200.0, 320.0, 625.0, 1024.0  # Hz of Figs 8.21-8.26 and E.1-E.6
 SENSITIVE = 40.0, 35.0  # frequency [Hz] and Gamma of Fig. 8.20, horizontal
 MODELS = "sum", "deepest", "scaled"  # of several contacts of one pair; the thesis's first
 COMPARED = (("spheroid", 1.5), ("toroid", 0.2))  # for which they are compared, vertical
@@ -68,10 +71,13 @@ _TIME_STEP = 2e-6
 _SHORT_STEP = 1e-6
 _STIFFEST = (("spheroid", 1.25), ("spheroid", 1.5))
 
-FILL = {"spheroid": 0.4115, "toroid": 0.393}  # ratio, of 90 of 3.8 mm and 110 of 3.5 mm
-_COUNTS = {"spheroid": 90, "toroid": 110}  # sec. 8.3
+# Ratio, of 90 of 3.8 mm and 110 of 3.5 mm.
+FILL = {"spheroid": 0.4115, "toroid": 0.393, GRIDDED: 0.4115}
+_COUNTS = {"spheroid": 90, "toroid": 110, GRIDDED: 90}  # sec. 8.3
 # Factor about the close packing's onset within which Gammas are run; 20 Hz costs most.
 _AROUND = {20.0: 2.0, 40.0: 2.5}
+FAMILIES = "spheroid", "toroid", GRIDDED
+_SPHERE = {"spheroid": ("spheroid", 1.0), "toroid": ("toroid", 0.0), GRIDDED: ("spheroid", 1.0)}
 _CONVECTING = 30.0  # largest Gamma of the curves at high frequency
 _PACKINGS = "close", "spheres"
 
@@ -80,9 +86,10 @@ onset: where the highest peak of eta along Gamma lies, by a parabola through its
   +- standard deviation over the packings that have a peak (their number); bracket: between which
   Gammas the peak of the mean curve lies by more than noise; times: over the sphere's of the same
   family; own, spheres: eq. 6.11 with the clearance that the shape's own close packing leaves
-  (damper3d reproduce packing), and that of spheres. fluidisation optimum: the
-  same peak at 125 Hz and more. Claims: the thesis prints no value of its figures, so that each
-  is judged by the rule in its words, on the optima themselves."""
+  (damper3d reproduce packing), and that of spheres. fluidisation optimum: the same peak at 125 Hz
+  and more. gridded: the thesis's own oblates, nine sub-spheres each (sec. 4.3), over the true
+  sphere; their sphericity is the true spheroid's. Claims: the thesis prints no value of its
+  figures, so that each is judged by the rule in its words, on the optima themselves."""
 
 
 class Part(NamedTuple):
@@ -140,16 +147,19 @@ def run(
 def onset_panels(frequency: float) -> list[Panel]:
     """Figs 8.9-8.14: both orientations, Gammas about the onset, before they are refined."""
     return [
-        panel(shape, orientation, [(frequency, gamma) for gamma in _about(shape, frequency)])
-        for orientation, shape in itertools.product(ORIENTATIONS, shapes())
+        panel(shape, orientation, [(frequency, gamma) for gamma in about(shape, frequency)])
+        for orientation, shape in itertools.product(ORIENTATIONS, shapes() + gridded())
     ]
 
 
 def curve_panels() -> list[Panel]:
-    """Figs 8.21-8.26: vertical, the high frequencies."""
+    """Figs 8.21-8.26, vertical, and E.1-E.6, horizontal: the high frequencies."""
     gammas = [gamma for gamma in GAMMAS if gamma <= _CONVECTING]
     points = list(itertools.product(FLUIDISED, gammas))
-    return [panel(shape, "vertical", points) for shape in shapes()]
+    return [
+        panel(shape, orientation, points)
+        for orientation, shape in itertools.product(ORIENTATIONS, shapes() + gridded())
+    ]
 
 
 def sensitivity_panels() -> list[Panel]:
@@ -166,7 +176,7 @@ def model_panels() -> list[Panel]:
     """The two multi-contact models that the thesis has not, about the onset at 40 Hz."""
     return [
         panel(
-            shape, "vertical", [(COMPARED_AT, gamma) for gamma in _about(shape, COMPARED_AT)],
+            shape, "vertical", [(COMPARED_AT, gamma) for gamma in about(shape, COMPARED_AT)],
             model=own,
         )
         for own, shape in itertools.product(MODELS[1:], COMPARED)
@@ -207,7 +217,7 @@ def _shortened(name: str, value: float) -> float:
     return min(1.0, math.sqrt(times.get(name, 1.0)))
 
 
-def _about(shape: Shape, frequency: float) -> list[float]:
+def about(shape: Shape, frequency: float) -> list[float]:
     """The thesis's Gammas about the onset that eq. 6.11 gives for spheres packed closely."""
     clearance = (1 - FILL[shape[0]] / CLOSE_PACKING) * HEIGHT / 1e3
     onset = float(bouncing_bed_onset(frequency, clearance))
@@ -224,7 +234,7 @@ def report(rows: list[Row]) -> str:
         _onset_table(found),
         "" if pooled is None else f"scatter over the packings: {100 * pooled[0]:.1f} %",
         _treatment_table(found),
-        _fluidised_table(found),
+        *(_fluidised_table(found, orientation) for orientation in ORIENTATIONS),
         report_claims(SHAPES.judge(claims_of("damper_shapes"), Readings(rows, found))),
         _CRITERION,
         _strained(rows),
@@ -234,12 +244,12 @@ def report(rows: list[Row]) -> str:
 def _onset_table(found: Found) -> str:
     lines = []
     for like in bouncing_lines():
-        for family in ("spheroid", "toroid"):
+        for family in FAMILIES:
             own = onsets(found, family, like)
-            sphere = own.get(1.0 if family == "spheroid" else 0.0)
+            sphere = found.get(like._replace(shape=_SPHERE[family]))
             for ratio, one in own.items():
                 head = [f"{like.frequency:g}", like.orientation, family, f"{ratio:g}"]
-                roundness = f"{sphericities()[family, ratio]:.3f}"
+                roundness = f"{sphericity((family, ratio)):.3f}"
                 lines.append(
                     [*head, roundness, *_cells(one), _times(one, sphere), *_predicted(one)]
                 )
@@ -262,17 +272,19 @@ def _treatment_table(found: Found) -> str:
     return title + columns(heads, lines) if lines else ""
 
 
-def _fluidised_table(found: Found) -> str:
+def _fluidised_table(found: Found, orientation: str) -> str:
     """A line a shape, a column a frequency: Gamma and eta of the highest peak."""
-    vertical = [line for line in found if line.frequency > max(BOUNCING)]
-    frequencies = sorted({line.frequency for line in vertical})
+    own = [
+        line for line in found if line.frequency > max(BOUNCING) and line.orientation == orientation
+    ]
+    frequencies = sorted({line.frequency for line in own})
     lines = []
-    for shape in sorted({line.shape for line in vertical}):
-        ones = [found.get(Line(shape, "vertical", f)) for f in frequencies]
+    for shape in sorted({line.shape for line in own}):
+        ones = [found.get(Line(shape, orientation, f)) for f in frequencies]
         cells = [f"{one.gamma:.2f} ({one.mean.efficiency:.2f})" if one else "-" for one in ones]
         lines.append([shape[0], f"{shape[1]:g}", *cells])
     heads = ["shape", "ratio", *(f"{f:g} Hz" for f in frequencies)]
-    title = "fluidisation optimum, vertical: Gamma (eta)\n"
+    title = f"fluidisation optimum, {orientation}: Gamma (eta)\n"
     return title + columns(heads, lines) if lines else ""
 
 

@@ -25,10 +25,11 @@ Report = Callable[[str, float, str], None]  # stage, fraction done (0 to 1), wor
 def fill(case: DamperCase, report: Report) -> Packing:
     """Fill the enclosure of a case, from its seed, and let the particles settle.
 
-    They settle for [fill] settle_time, under the gravity that they are shaken under, or 1 g along
-    -z where they are shaken without. Raises InputError where they do not fit, SimulationError, and
-    what `report` raises.
+    They settle for [fill] settle_time, with [fill] friction, under the gravity that they are shaken
+    under, or 1 g along -z where they are shaken without. Raises InputError where they do not fit,
+    SimulationError, and what `report` raises.
     """
+    case = case.settling
     report("filling", 0.0, "random start")
     random_start(case, 1)  # compiles
     begun = time.process_time()

@@ -38,6 +38,7 @@ __all__ = [
 FAMILIES = {
     "prolate": prolate.FAMILY,
     "oblate": oblate.FAMILY,
+    "oblate_grid": oblate.GRIDDED,
     "toroid": toroid.FAMILY,
     "superquadric": superquadric.FAMILY,
     "cylinder": cylinder.FAMILY,

@@ -87,12 +87,15 @@ def curve(wanted: Particle, least: int) -> list[Errors]:
             found.append(errors_of(particle))
         return found
     for tolerance in _TOLERANCES:
-        particle = particle_of(replace(wanted, sub_spheres=None, tolerance=tolerance))
+        try:
+            particle = particle_of(replace(wanted, sub_spheres=None, tolerance=tolerance))
+        except InputError:  # it takes none, or more sub-spheres than there may be
+            break
         if not found or len(particle.radii) > found[-1].sub_spheres:
             found.append(errors_of(particle))
         if len(particle.radii) >= least:
             break
-    return found
+    return found or [errors_of(particle_of(wanted))]
 
 
 def prolate_spheres(x: np.ndarray, radii: np.ndarray) -> Section:

@@ -18,6 +18,7 @@ from damper3d.case.plan import (
     steps_at_most,
     warnings,
 )
+from damper3d.case.settings import Settings
 from damper3d.measures import excitation, host
 from damper3d.measures.efficiency import in_words
 from damper3d.run.result import Result
@@ -27,6 +28,14 @@ from granulab.campaign.sweeps.overview import in_minutes
 
 _COARSE = 0.005  # closed at 1 us, relative to what is dissipated
 _MOST_CYCLES = 12  # that are listed one by one
+
+
+def _filling_friction(settings: Settings) -> str:
+    """ "with friction 0.2, ", where it is not that of the motion."""
+    friction = settings.fill.friction
+    if friction is True:
+        return ""
+    return f"with friction {friction:g}, " if friction else "without friction, "
 
 
 def echo(case: DamperCase, dry_run: bool) -> str:
@@ -45,7 +54,8 @@ def echo(case: DamperCase, dry_run: bool) -> str:
         *_more(case),
         *_yield(case),
         f"  filling     settled for {settings.fill.settle_time:g} s under gravity "
-        f"{_vector(case.settling_gravity)} m/s2, in steps of {steps.free:.4g} s",
+        f"{_vector(case.settling_gravity)} m/s2, {_filling_friction(settings)}in steps of "
+        f"{steps.free:.4g} s",
         f"  time step   {case.time_step:.6g} s: {steps.reason};",
         f"              {steps.per_sample} a sample, {settings.output.samples} samples a cycle",
         f"  ends        {_end(case)}",

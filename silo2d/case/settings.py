@@ -5,7 +5,7 @@ from itertools import pairwise
 from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
+from pydantic import AfterValidator, Field
 
 from granulab.contact.files import casefile, reference
 from granulab.contact.files.casefile import (
@@ -19,7 +19,7 @@ from granulab.contact.files.casefile import (
     Speed,
     Stiffness,
     Time,
-    Unit,
+    YesOrNumber,
     folder_name,
     key,
     unit_of,
@@ -31,10 +31,6 @@ __all__ = ["Settings", "check_settings", "read_settings", "to_toml", "unit_of"]
 SCHEMA = 1
 
 
-def _yes_or_number(value: object, info: ValidationInfo) -> object:
-    return value if isinstance(value, bool) else to_si(value, "1", info.field_name or "value")
-
-
 def _times(value: list[str]) -> list[str]:
     """Ascending times above 0, as texts in seconds."""
     times = [to_si(one, "s", "gate_times") for one in value]
@@ -43,10 +39,6 @@ def _times(value: list[str]) -> list[str]:
     return [f"{time!r} s" for time in times]
 
 
-# Yes, no, or a number that stands for yes.
-YesOrNumber = Annotated[
-    bool | float, BeforeValidator(_yes_or_number), Unit("1"), Field(ge=0, le=1000)
-]
 # Kinetic energy over what lifts each particle by its size: at 1 everything is in the air.
 Calm = Annotated[Number, Field(gt=0, le=1)]
 

@@ -10,6 +10,7 @@ from damper3d.reproduce.quantities.optima import Optimum
 from damper3d.reproduce.quantities.properties import VALUES, in_words
 from damper3d.reproduce.quantities.shapes import (
     BOUNCING,
+    GRIDDED,
     Found,
     Line,
     Shape,
@@ -46,25 +47,27 @@ _CURVES: dict[str, list[Shape]] = {
     "prolate": [("spheroid", r) for r in (1.0, 1.25, 1.5, 2.0, 2.5, 3.0)],
     "toroid": [("toroid", r) for r in (0.0, 0.05, 0.11, 0.2, 0.27, 0.33)],
     "oblate": [("spheroid", r) for r in (1.0, 0.9, 0.85, 0.8, 0.75, 0.7)],
+    "gridded oblate": [("spheroid", 1.0), *((GRIDDED, r) for r in (0.9, 0.85, 0.8, 0.75, 0.7))],
 }
 _TICKS = 1, 2, 3, 5, 10, 20, 30, 50
 
 
 def draw_shapes(rows: Sequence[Row], found: Found) -> "Figure":
-    """Figs 8.9-8.14, 8.20, 8.21, 8.23 and 8.25, each as far as there are runs."""
+    """Figs 8.9-8.14, 8.20, 8.21, 8.23, 8.25, E.1, E.3, E.5, each as far as there are runs."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(14.0, 19.5), layout="constrained")
+    figure = Figure(figsize=(14.0, 31.0), layout="constrained")
     headline(figure, "Particles of unlike shape, the same volume (thesis, chapter 8)")
-    heights = [1.15, 1.15, 1.1, 2.9, 1.1]
-    parts = figure.subfigures(5, 1, squeeze=False, height_ratios=heights)[:, 0]
+    heights = [1.15, 1.15, 1.1, 3.9, 3.9, 1.1]
+    parts = figure.subfigures(6, 1, squeeze=False, height_ratios=heights)[:, 0]
     _onsets(parts[0], found)
     _bouncing_curves(parts[1], rows, found)
     panels = parts[2].subplots(1, 4)
     _by_sphericity(panels[:2], found)
     _treatments(panels[2:], rows, found)
-    _fluidised_curves(parts[3], rows)
-    _properties(parts[4], rows)
+    for part, orientation in zip(parts[3:5], ORIENTATIONS, strict=True):
+        _fluidised_curves(part, rows, orientation)
+    _properties(parts[5], rows)
     return figure
 
 
@@ -82,6 +85,10 @@ def _onsets(part: "SubFigure", found: Found) -> None:
             bars = np.abs(brackets.T - gammas)
             axes.errorbar(list(own), gammas, bars, color=colour, marker=marker, ms=4, lw=1.2,
                           elinewidth=0.7, capsize=2, label=orientation)  # fmt: skip
+            made = onsets(found, GRIDDED, Line((family, 1.0), orientation, frequency))
+            if made and family == "spheroid":
+                axes.plot(list(made), [one.gamma for one in made.values()], marker, color=colour,
+                          mfc="none", ms=5, label=f"{orientation}, thesis's own oblates")  # fmt: skip
             if orientation == "vertical":
                 _predicted(axes, own)
         name, sphere = _FAMILIES[family]
@@ -149,13 +156,14 @@ def _treatments(panels: "Sequence[Axes]", rows: Sequence[Row], found: Found) -> 
         _legend(axes, "upper left")
 
 
-def _fluidised_curves(part: "SubFigure", rows: Sequence[Row]) -> None:
-    """Figs 8.21, 8.23, 8.25: a row a family, a column a frequency."""
+def _fluidised_curves(part: "SubFigure", rows: Sequence[Row], orientation: str) -> None:
+    """Figs 8.21, 8.23, 8.25, or E.1, E.3, E.5: a row a family, a column a frequency."""
+    part.suptitle(orientation, x=0.01, ha="left", fontsize=10)
     panels = part.subplots(len(_CURVES), len(FLUIDISED), sharey=True, sharex=True)
     for own, (name, shapes) in zip(panels, _CURVES.items(), strict=True):
         for axes, frequency in zip(own, FLUIDISED, strict=True):
             for colour, shape in zip(_COLOURS, shapes, strict=False):
-                line = Line(shape, "vertical", frequency)
+                line = Line(shape, orientation, frequency)
                 _curve(axes, rows_of(rows, line), colour, f"{shape[1]:g}")
             _with_gamma(axes, f"{name}s, {frequency:g} Hz")
         own[0].set_ylabel("efficiency [-]")

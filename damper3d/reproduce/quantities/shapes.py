@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from damper3d.case.random_packing import CLOSE_PACKING, close_packing
 from damper3d.reproduce.panels import ORIENTATIONS, Row
@@ -24,7 +24,9 @@ from granulab.campaign.output.layout import done
 from granulab.campaign.output.statistics import Slope, mean_sd, slope
 from granulab.contact.files.datafile import data_file
 
-Shape = tuple[str, float]  # family of the thesis's tables, and ratio
+Shape = tuple[str, float]  # family of the thesis's tables, or GRIDDED, and ratio
+
+GRIDDED = "gridded"  # the thesis's own oblates, of nine sub-spheres; see damper3d.shapes.oblate
 
 BOUNCING = 20.0, 40.0  # Hz at which the thesis finds the bouncing bed (sec. 8.5.1)
 HEIGHT = 40  # mm
@@ -51,11 +53,24 @@ def sphericities() -> dict[Shape, float]:
     }
 
 
+def gridded() -> tuple[Shape, ...]:
+    """The oblates of Table 8.1 as the thesis made them."""
+    return tuple((GRIDDED, ratio) for family, ratio in shapes() if family != "toroid" and ratio < 1)
+
+
+def sphericity(shape: Shape) -> float:
+    """Sphericity of a shape; of one that the thesis made on a grid, that of the true spheroid."""
+    family, ratio = shape
+    return sphericities()["spheroid" if family == GRIDDED else family, ratio]
+
+
 def particle_text(shape: Shape) -> str:
     """As `--particles` takes it; the sphere of a family is its ratio of 1 or 0."""
     family, ratio = shape
     if family == "toroid":
         return f"toroid:{ratio:g}"
+    if family == GRIDDED:
+        return f"oblate_grid:{ratio:g}"
     return f"{'oblate' if ratio < 1 else 'prolate'}:{ratio:g}"
 
 
@@ -88,10 +103,12 @@ def optima(rows: Sequence[Row]) -> dict[Line, Optimum | None]:
     for row in rows:
         if row["part"] == "curves":
             groups.setdefault(line_of(row), []).append(row)
-    return {line: _optimum(own, line) for line, own in sorted(groups.items())}
+    return {line: optimum_of(own, line) for line, own in sorted(groups.items())}
 
 
-def _optimum(rows: Sequence[Row], line: Line) -> Optimum | None:
+def optimum_of(rows: Sequence[Row], line: Line) -> Optimum | None:
+    """The highest peak of the rows of a curve; None where none stands out."""
+
     def highest(result: MapResult) -> Peak | None:
         return max(result.peaks(line.frequency), key=lambda peak: peak.efficiency, default=None)
 
@@ -140,7 +157,7 @@ def by_sphericity(found: Found, line: Line) -> list[tuple[float, float]]:
     for family, sphere in (("spheroid", 1.0), ("toroid", 0.0)):
         own = onsets(found, family, line)
         pairs += [
-            (sphericities()[family, ratio], one.gamma / own[sphere].gamma)
+            (sphericity((family, ratio)), one.gamma / own[sphere].gamma)
             for ratio, one in own.items()
             if sphere in own and (family == "toroid" or ratio >= 1)
         ]
@@ -148,13 +165,53 @@ def by_sphericity(found: Found, line: Line) -> list[tuple[float, float]]:
 
 
 @SHAPES.quantity
+def over_sphericity(readings: Readings, of: str, low: float, high: float) -> list[Row]:
+    """Onsets over the sphere's of prolates and toroids, with a sphericity from low to high.
+
+    of    "times": over the sphere's; "part": what they rise over the largest rise of all; "off":
+          how far from the mean of those listed, over what that one rises
+    """
+    found = []
+    for line in bouncing_lines():
+        pairs = by_sphericity(readings.found, line)
+        own = [(x, times) for x, times in pairs if low <= x <= high]
+        if len({x for x, _ in pairs}) < 4 or not own:
+            continue
+        most = max(times for _, times in pairs) - 1
+        mean = sum(times for _, times in own) / len(own)
+        for x, times in own:
+            parts = {"times": times, "part": (times - 1) / most if most > 0 else -math.inf,
+                     "off": abs(times - mean) / (mean - 1) if mean > 1 else math.inf}  # fmt: skip
+            found.append(_at(line) | {"sphericity": x, "value": parts[of], "times": times,
+                                      "most": most + 1, "level": mean})  # fmt: skip
+    return found
+
+
+@SHAPES.quantity
+def slope_over_sphericity(readings: Readings, low: float, high: float) -> list[Row]:
+    """Slope of ln onset over sphericity of the same; `change` from the highest to the lowest."""
+    found = []
+    for line in bouncing_lines():
+        own = [(x, y) for x, y in by_sphericity(readings.found, line) if low <= x <= high]
+        trend = slope([x for x, _ in own], [math.log(times) for _, times in own])
+        if trend is not None:
+            found.append(_at(line) | {
+                "value": trend.value, "change": math.exp((low - high) * trend.value) - 1,
+                "remark": " (within noise)" * (abs(trend.value) <= trend.half_width),
+                "shown": ", ".join(f"{times:.2f} at {x:.3f}" for x, times in own),
+            })  # fmt: skip
+    return found
+
+
+@SHAPES.quantity
 def onset(readings: Readings) -> list[Row]:
     """Gamma of the bouncing bed's onset of each shape; eta there, and the bracket in `shown`."""
     return [
-        _at(line) | {"family": family, "ratio": ratio, "value": one.gamma,
+        _at(line) | {"family": family, "ratio": ratio, "item": _item(family, ratio),
+                     "value": one.gamma,
                      "eta": one.mean.efficiency, "shown": _shown(ratio, one)}
         for line in bouncing_lines()
-        for family in ("spheroid", "toroid")
+        for family in ("spheroid", "toroid", GRIDDED)
         for ratio, one in onsets(readings.found, family, line).items()
     ]  # fmt: skip
 
@@ -242,13 +299,19 @@ def fluidisation_optimum(readings: Readings) -> list[Row]:
     """Gamma of each shape's optimum above 40 Hz (NaN: no peak); eta; how many have peaks."""
     lines = {line: one for line, one in readings.found.items() if line.frequency > max(BOUNCING)}
     found: list[Row] = []
-    for frequency in sorted({line.frequency for line in lines}):
-        own = {line.shape: one for line, one in lines.items() if line.frequency == frequency}
-        known = sum(one is not None for one in own.values())
+    for where in sorted({(line.frequency, line.orientation) for line in lines}):
+        own = {
+            line.shape: one
+            for line, one in lines.items()
+            if (line.frequency, line.orientation) == where
+        }
+        known = sum(one is not None for shape, one in own.items() if shape[0] != GRIDDED)
         found += [
-            {"frequency_hz": frequency, "family": shape[0], "ratio": shape[1],
+            {"frequency_hz": where[0], "orientation": where[1], "family": shape[0],
+             "ratio": shape[1], "item": "gridded" if shape[0] == GRIDDED else _item(*shape),
              "value": one.gamma if one else math.nan,
-             "eta": one.mean.efficiency if one else math.nan, "peaks": known, "curves": len(own)}
+             "eta": one.mean.efficiency if one else math.nan, "peaks": known,
+             "curves": sum(shape[0] != GRIDDED for shape in own)}
             for shape, one in own.items()
         ]  # fmt: skip
     return found
@@ -261,7 +324,8 @@ def trend_over_shape(readings: Readings) -> list[Row]:
 
     optima = DataFrame(fluidisation_optimum(readings))
     found = []
-    for frequency, own in optima.groupby("frequency_hz") if len(optima) else ():
+    places = ["frequency_hz", "orientation"]
+    for (frequency, orientation), own in optima.groupby(places) if len(optima) else ():
         counts = own.iloc[0][["peaks", "curves"]].to_dict()
         own = own.dropna(subset="value")
         prolates = own[(own["family"] == "spheroid") & (own["ratio"] >= 1)]
@@ -272,23 +336,24 @@ def trend_over_shape(readings: Readings) -> list[Row]:
         ):
             trend = slope(list(x), list(map(math.log, gamma)))
             value, noise = (trend.value, trend.half_width) if trend else (math.nan, math.nan)
-            found.append(counts | {"frequency_hz": frequency, "name": name, "value": value,
-                                   "noise": noise})  # fmt: skip
+            found.append(counts | {"frequency_hz": frequency, "orientation": orientation,
+                                   "name": name, "value": value, "noise": noise})  # fmt: skip
     return found
 
 
 @SHAPES.quantity
 def slope_over_frequency(readings: Readings, of: str) -> list[Row]:
     """Slope of ln of each shape's optimum ("value") or of its "eta" over ln f, of three or more."""
-    curves: dict[Shape, list[tuple[float, float]]] = {}
+    labels = "orientation", "family", "ratio"
+    curves: dict[tuple[Any, ...], list[tuple[float, float]]] = {}
     for one in fluidisation_optimum(readings):
-        if not math.isnan(one["value"]):
+        if not math.isnan(one["value"]) and one["family"] != GRIDDED:
             point = one["frequency_hz"], math.log(one[of])
-            curves.setdefault((one["family"], one["ratio"]), []).append(point)
-    trends = {shape: _per_e_fold(points) for shape, points in sorted(curves.items())}
+            curves.setdefault(tuple(one[name] for name in labels), []).append(point)
+    trends = {key: _per_e_fold(points) for key, points in sorted(curves.items())}
     return [
-        {"family": shape[0], "ratio": shape[1], "value": trend.value}
-        for shape, trend in trends.items()
+        dict(zip(labels, key, strict=True)) | {"value": trend.value}
+        for key, trend in trends.items()
         if trend
     ]
 
@@ -360,6 +425,15 @@ def slope_over_friction(readings: Readings) -> list[Row]:
     trend = slope(list(gains), list(gains.values()))
     shown = ", ".join(f"mu {value:g} {gain:+.3f}" for value, gain in gains.items())
     return [{"value": trend.value, "shown": shown}] if trend else []
+
+
+def _item(family: str, ratio: float) -> str:
+    """A word for a shape of a claim that compares families."""
+    if family == GRIDDED:
+        return f"{GRIDDED} {ratio:g}"
+    if family == "toroid":
+        return f"toroid of {ratio:g}"
+    return "sphere" if ratio == 1 else f"{'oblate' if ratio < 1 else 'prolate'} of {ratio:g}"
 
 
 def _at(line: Line) -> Row:

@@ -118,8 +118,9 @@ def settle(test: SlowTest, stages: Stages, stop: Stop) -> Packing:
     The table rests at the top of the top half meanwhile. Raises InputError where they do not fit,
     SimulationError, and Stopped.
     """
-    damper = test.damper
+    damper = test.damper.settling
     begun = time.process_time()
+    test = dataclasses.replace(test, damper=damper)
     sim = between_halves(test, *random_start(damper, damper.count))
     n_steps = math.ceil(damper.settings.fill.settle_time / test.time_step)
     n_looks = math.ceil(damper.settings.fill.settle_time / _LOOK)

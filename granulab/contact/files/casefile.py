@@ -56,6 +56,10 @@ def _read_frequency(value: object, info: ValidationInfo) -> float:
     return to_si(value, "1" if is_plain_number(value) else "Hz", name)
 
 
+def _yes_or_number(value: object, info: ValidationInfo) -> object:
+    return value if isinstance(value, bool) else to_si(value, "1", info.field_name or "value")
+
+
 def of_a_size(length: float, name: str) -> float:
     """A length [m] that something may have; ValueError for one below atoms or beyond the earth."""
     if not SMALLEST <= abs(length) <= LARGEST and length != 0.0:
@@ -86,6 +90,10 @@ Mass = Annotated[float, read("kg"), Unit("kg"), Field(gt=0)]
 Force = Annotated[float, read("N"), Unit("N"), Field(gt=0)]
 Density = Annotated[float, read("kg/m3"), Unit("kg/m3"), Field(gt=0)]
 Pressure = Annotated[float, read("Pa"), Unit("Pa"), Field(gt=0)]
+# Yes, no, or a number that stands for yes.
+YesOrNumber = Annotated[
+    bool | float, BeforeValidator(_yes_or_number), Unit("1"), Field(ge=0, le=1000)
+]
 
 
 class Section(Table):
