@@ -88,7 +88,7 @@ def _onsets(part: "SubFigure", found: Found) -> None:
             made = onsets(found, GRIDDED, Line((family, 1.0), orientation, frequency))
             if made and family == "spheroid":
                 axes.plot(list(made), [one.gamma for one in made.values()], marker, color=colour,
-                          mfc="none", ms=5, label=f"{orientation}, thesis's own oblates")  # fmt: skip
+                          mfc="none", ms=5, label=f"{orientation}, nine sub-spheres")  # fmt: skip
             if orientation == "vertical":
                 _predicted(axes, own)
         name, sphere = _FAMILIES[family]
