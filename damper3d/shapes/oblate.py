@@ -8,7 +8,7 @@ it leaves open is chosen here: a cell lies about the centroid, the cells are the
 nine lie inside, the spheres of 0.7 are scaled to its volume, and of the others the centres move
 with the axes while the radii stay. Of the ways to scale them that were tried (radii kept, or scaled
 as one of the axes; with the volume of 0.7 or as the grid leaves it) this alone keeps all volumes
-within 10 %: from +0.1 % to -7.8 %.
+within 10 %: from 0.0 to -7.8 %.
 """
 
 import itertools

@@ -99,6 +99,8 @@ BAD_CASES: list[tuple[dict[str, Any], list[str]]] = [
     ({"enclosure.diameter": "1e300 m"}, ["diameter = 1e+300 m", "check the unit"]),
     ({"law.density": "1e80 kg/m3"}, ["too large or too small to calculate with", "density"]),
     ({"fill.settle_time": "0 s"}, ["settle_time", "greater than 0"]),
+    ({"fill.friction": -0.1}, ["[fill] friction = -0.1", "greater than or equal to 0"]),
+    ({"fill.friction": "none"}, ["friction = 'none'"]),
     ({"fill.settle_time": "1 Gyr"}, ["[fill] settle_time", "a shorter one"]),
     ({"run.cycles": 0}, ["cycles = 0", "greater than or equal to 1"]),
     ({"run.cycles": 2.5}, ["cycles = 2.5", "integer"]),

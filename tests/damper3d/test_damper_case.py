@@ -334,6 +334,7 @@ OF_THE_PACKING: dict[str, Any] = {
     "law.youngs_modulus": "3 GPa",
     "law.density": "1 g/cm3",
     "fill.settle_time": "0.1 s",
+    "fill.friction": False,
     "run.seed": 2,
     "run.time_step": "0.9 us",
 }
@@ -430,6 +431,7 @@ def test_all_keys_that_act_are_in_the_digests():
         ("law.density", ["1.19 g/cm3", "1190 kg/m3", None]),
         ("motion.direction", [[0, 0, 1], [0, 0, 2.5], None]),
         ("run.time_step", ["1 us", "1e-6 s", None]),
+        ("fill.friction", [False, 0, 0.0, "0"]),
     ],
 )
 def test_one_case_in_other_words_is_the_same_run(key, spellings):

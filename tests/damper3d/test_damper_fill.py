@@ -163,6 +163,28 @@ def test_the_bed_is_counted_as_a_packing(bed):
     assert 4 * RADIUS < bed.height < 0.015
 
 
+def _sideways(sim):
+    """Largest tangential part of a contact's force over its size, to the digits of a normal."""
+    contacts = sim.contacts()
+    along = np.einsum("nx,nx->n", contacts["force"], contacts["normal"])
+    across = np.linalg.norm(contacts["force"] - along[:, None] * contacts["normal"], axis=1)
+    return round(float((across / np.abs(along)).max()), 6)
+
+
+@pytest.mark.parametrize("changes", [
+    {}, {"particles__shape": "prolate:1.5", "particles__equal_volume_radius": "2.5 mm"},
+])  # fmt: skip
+def test_without_friction_nothing_holds_sideways_and_the_bed_lies_closer(changes):
+    """Coulomb's limit, mu times the normal force, is zero meanwhile, and the case's afterwards."""
+    slippery = small(fill__friction=False, **changes)
+    loose, close = (fill(case, _silent) for case in (small(**changes), slippery))
+    assert close.fraction > loose.fraction
+    assert _sideways(_again(slippery.settling, close)) == 0.0
+    assert _sideways(_again(small(**changes), loose)) > 1e-3
+    assert slippery.pair_law.mu == small(**changes).pair_law.mu > 0.0
+    assert slippery.settling.pair_law.mu == slippery.settling.wall_law.mu == 0.0
+
+
 def test_the_same_seed_settles_to_the_same_bits(bed):
     again = fill(small(), _silent)
     for name, array in bed.state.items():

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from damper3d.case.case import DamperCase
-from damper3d.shapes import prolate, toroid
+from damper3d.shapes import oblate, prolate, toroid
 from damper3d.shapes.particle import parse_particle
+from damper3d.shapes.surfaces.union import of_any
 from granulab.contact.files.datafile import data_root
 
 RATIOS = [1.01, 1.25, 1.5, 2.0, 3.0, 10.0]
@@ -130,3 +131,49 @@ def test_a_tolerance_chooses_the_least_number_of_sub_spheres(shape, step):
     assert particle.surface_error <= 0.01
     assert parse_particle(shape, 1.0, sub_spheres=number).surface_error == particle.surface_error
     assert parse_particle(shape, 1.0, sub_spheres=number - step).surface_error > 0.01
+
+
+OBLATES = [0.7, 0.75, 0.8, 0.85, 0.9]  # of Table 8.1
+
+
+def test_spheres_of_a_grid_reach_from_inner_cells_to_the_nearest_cut_cell():
+    """Sec. 4.3 of 0.7: nine cells of one layer lie inside; by hand, from the edge h of a cell.
+
+    The farthest corner of a corner cell, (1/2, 3/2, 3/2) h, lies on the surface. The nearest cut
+    cell of each of the nine is the next one along the short axis, at h, so that all radii are h and
+    the extents h and 2 h; the volume then scales both alike.
+    """
+    particle = oblate.gridded(0.7)
+    a, b = prolate.axes(0.7)
+    edge = 1.0 / math.hypot(0.5 / a, math.hypot(1.5, 1.5) / b)
+    scale = particle.radii[0] / edge
+    assert particle.radii == pytest.approx(np.full(9, particle.radii[0]), rel=1e-12)
+    wanted = {(0, j, k) for j in (-1, 0, 1) for k in (-1, 0, 1)}
+    steps = particle.offsets / particle.radii[0]
+    assert {tuple(np.rint(step).astype(int)) for step in steps} == wanted
+    assert steps == pytest.approx(np.rint(steps), abs=1e-12)
+    assert 1.1 < scale < 1.2  # the grid alone leaves a third of the volume out: cbrt(1/0.69)
+
+
+@pytest.mark.parametrize("ratio", OBLATES)
+def test_oblates_of_a_grid_are_over_flattened_with_volumes_up_to_10_percent_off(ratio):
+    """Sec. 8.2.1 and Fig. 8.3 in words; mass and inertia stay the true spheroid's."""
+    particle, true = oblate.gridded(ratio), oblate.oblate(ratio)
+    volume, _ = of_any(particle.offsets, particle.radii, 400)
+    assert -0.1 < volume / true.volume - 1 < 1e-3
+    extents = (np.abs(particle.offsets) + particle.radii[:, None]).max(axis=0)
+    assert extents[0] / extents[1] < 0.8 * ratio
+    assert particle.volume == true.volume
+    assert particle.inertia == pytest.approx(true.inertia, rel=1e-15)
+
+
+@pytest.mark.parametrize("ratio", OBLATES)
+def test_surface_error_of_a_grid_bounds_what_its_spheres_protrude_and_leave_out(ratio):
+    """By points of both surfaces: along x the spheroid ends at a, the spheres at their radius."""
+    particle = oblate.gridded(ratio)
+    a, b = prolate.axes(ratio)
+    assert particle.surface_error >= a - particle.radii[0]
+    corner = np.array([0.0, 1.0, 1.0]) / math.sqrt(2.0)
+    reach = float((particle.offsets @ corner + particle.radii).max())
+    assert particle.surface_error >= reach - b
+    assert particle.surface_error < 0.4
