@@ -128,7 +128,8 @@ def by_spline(gamma: Floats, eta: Floats) -> float:
 
     spline = CubicSpline(gamma, eta)
     turns = spline.derivative().roots(extrapolate=False)
-    return float(max(turns, key=spline)) if len(turns) else math.nan
+    tops = [turn for turn in turns if spline(turn, 2) < 0]
+    return float(max(tops, key=spline)) if tops else math.nan
 
 
 def by_spline_of_logarithm(gamma: Floats, eta: Floats) -> float:

@@ -39,6 +39,7 @@ def draw_causes(rows: Sequence[Row]) -> "Figure":
     left, right = figure.subplots(1, 2)
     _rises(left, lines)
     _curves(right, rows)
+    figure.legend(*left.get_legend_handles_labels(), loc="outside upper left", ncols=3)
     return figure
 
 
@@ -55,9 +56,8 @@ def _rises(axes: "Axes", lines: Sequence[tuple[str, Rise, str]]) -> None:
     axes.errorbar([], [], xerr=[], fmt="o", color=BLUE, ms=4.5, label="variants, 95 %")
     axes.errorbar([], [], xerr=[], fmt="o", color=ORANGE, ms=4.5, label="readings, 95 %")
     axes.set_yticks(range(len(lines)), [name for name, _, _ in lines])
-    axes.set_ylim(len(lines) - 0.5, -0.5)
+    axes.set_ylim(max(len(lines), 1) - 0.5, -0.5)
     axes.set_xlabel("rise of the onset from spheres to prolates of 1.5 [%]")
-    axes.legend(loc="lower right", fontsize="small")
     ruled(axes, "x")
 
 
