@@ -184,10 +184,15 @@ def test_a_packing_that_runs_share_is_poured_once(tmp_path):
     text = STUDY.replace("[1, 2]", "1").replace("[0.1, 0.3]", "[0.1, 0.2, 0.3]")
     study = tmp_path / "walls.toml"
     study.write_text(text)
-    assert sweep(study, *DRY, "--json").json["packings_to_fill"] == 1
+    planned = sweep(study, *DRY, "--json").json
+    assert planned["packings_to_fill"] == 1
     assert [study] == [path for path in tmp_path.iterdir() if path.name == "walls.toml"]
     assert not (tmp_path / "runs").exists()
-    assert sweep(study, "--workers", 2, "--json").json["done"] == 3
+    told = silo2d("sweep", study, "-o", study.parent / "runs", "--workers", 2)
+    assert "3 runs of 1 packings, about " in told.err
+    assert sweep(study, "--json").json["done"] == 3
+    assert planned["expected_cpu_s"] > 0.0
+    assert sweep(study, *DRY, "--json").json["expected_cpu_s"] == 0.0  # nothing is left
     (packing,) = tmp_path.glob("runs/packings/*/packing.h5")
     filled = packing.stat().st_mtime_ns
     begun = [(folder / "case.toml").stat().st_mtime_ns for folder in run_folders(study)]

@@ -85,7 +85,7 @@ def _sweep(
     """Run a study, or say what would be run; print its table, and raise Ended for gaps in it."""
     from granulab.campaign.output.files import refuse_unless_writable
     from granulab.campaign.sweeps.cases import run_study
-    from granulab.campaign.sweeps.overview import plan, plan_as_text
+    from granulab.campaign.sweeps.overview import cost, plan, plan_as_text
     from granulab.campaign.sweeps.report import summary
     from granulab.campaign.sweeps.report.comparison import Comparison
 
@@ -99,6 +99,8 @@ def _sweep(
         click.echo(json.dumps(planned, indent=2) if as_json else plan_as_text(loaded, planned))
         return
     refuse_unless_writable(Path(out), "--out")
+    if not quiet:
+        click.echo(cost(simulator, loaded.cases), err=True)
     folder, rows = run_study(simulator, loaded, out=Path(out), quiet=quiet, **engine)
     comparison = Comparison.of(loaded.study.name, loaded.varied, quantities, rows)
     table = summary.summary(comparison, folder)

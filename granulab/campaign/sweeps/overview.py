@@ -1,6 +1,6 @@
 """Words on many runs before them: their cost, and what there is to do."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,18 +16,26 @@ def cost(simulator: Simulator, cases: Sequence[Labelled]) -> str:
     distinct = {simulator.digest(case): case for _, case in cases}
     if not distinct:
         return "0 runs: the table that is there has all of them"
-    packings: dict[Path, float] = {}
-    runs = 0.0
-    for case in distinct.values():
-        packing, run = simulator.expected_cpu_s(case)
-        packings[simulator.packing_file(case, Path())] = packing
-        runs += run
+    packings, runs = expected_cpu_s(simulator, distinct.values(), Path())
     cpu = in_minutes(sum(packings.values()) + runs)
     shortest = min(case.time_step for case in distinct.values())
     return (
         f"{len(distinct)} runs of {len(packings)} packings, about {cpu} min of CPU time if "
         f"none is there yet; the shortest time step is {shortest * 1e6:.2g} us"
     )
+
+
+def expected_cpu_s(
+    simulator: Simulator, cases: Iterable[Any], out: Path
+) -> tuple[dict[Path, float], float]:
+    """CPU time [s] of each packing of unlike cases, by its file below `out`, and of all runs."""
+    packings: dict[Path, float] = {}
+    runs = 0.0
+    for case in cases:
+        packing, run = simulator.expected_cpu_s(case)
+        packings[simulator.packing_file(case, out)] = packing
+        runs += run
+    return packings, runs
 
 
 def in_minutes(seconds: float) -> str:
@@ -44,13 +52,15 @@ def plan(simulator: Simulator, loaded: LabelledStudy, out: Path) -> dict[str, An
         for folder, (_, case) in zip(folders, loaded.cases, strict=True)
         if folder.state != "finished"
     }
-    packings = {simulator.packing_file(case, out) for case in todo.values()}
+    packings, runs = expected_cpu_s(simulator, todo.values(), out)
+    lacking = [seconds for file, seconds in packings.items() if not file.exists()]
     return {
         "study": loaded.study.name,
         "folder": str(study_folder(simulator, loaded, out).path),
         "runs": len(loaded.cases),
         "finished": sum(folder.state == "finished" for folder in folders),
-        "packings_to_fill": sum(not file.exists() for file in packings),
+        "packings_to_fill": len(lacking),
+        "expected_cpu_s": runs + sum(lacking),
         "disk_bytes_at_most": simulator.disk_of(list(todo.values())),
         "disk_free_bytes": room.free(out),
         "rows": [
@@ -68,7 +78,8 @@ def plan_as_text(loaded: LabelledStudy, planned: dict[str, Any]) -> str:
     return "\n".join(
         [
             f"{planned['study']}: {planned['runs']} runs, {planned['finished']} of them finished; "
-            f"{planned['packings_to_fill']} packings to fill",
+            f"{planned['packings_to_fill']} packings to fill; about "
+            f"{in_minutes(planned['expected_cpu_s'])} min of CPU time to go",
             f"each with {_plural(len(loaded.study.seeds), 'seed')}:",
             fitted(columns, cells, len(columns)),
             room.line(planned),
