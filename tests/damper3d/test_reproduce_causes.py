@@ -77,7 +77,14 @@ def test_curves_without_a_peak_have_no_onset():
 def test_on_the_thesis_gammas_a_rise_of_a_quarter_reads_as_one_of_a_half():
     """Onsets of 22 and 27.5 lie between 20 and 30, the first nearer to 20 and the second to 30."""
     rows = made(shipped(1.25), scatter=0.0, eta=step_up)
-    rise = causes.read_rise(rows, READINGS["thesis's, largest point"], AT)
+    finer = [
+        row | {"gamma": 27.6 if row["ratio"] > 1 else 22.1, "efficiency": 1.0}
+        for row in rows
+        if (row["frequency_hz"], row["orientation"], row["gamma"]) == (*AT, 20.0)
+    ]
+    own = causes.read_rise(rows + finer, READINGS["largest point"], AT)
+    assert own.onsets == pytest.approx((22.1, 27.6))
+    rise = causes.read_rise(rows + finer, READINGS["thesis's, largest point"], AT)
     assert rise.onsets == pytest.approx((20.0, 30.0))
     assert math.expm1(rise.value) == pytest.approx(0.5)
     assert {gamma for gamma in GAMMAS if 15 < gamma < 40} == {20.0, 30.0}  # Table 6.1

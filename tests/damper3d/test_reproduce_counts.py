@@ -83,6 +83,8 @@ def test_steep_points_have_three_packings_and_the_table_is_whole(made):
     words = counts.packings_words(rows, LABELS)
     number = len(steep)
     assert words.startswith(f"packings behind a verdict: 1 a point, 3 at {number} of the {number}")
+    alone = [row for row in rows if row["seed"] == 1]
+    assert f", 3 at 0 of the {number} points" in counts.packings_words(alone, LABELS)
     assert {row["seed"] for row in panels.first_packings(rows, LABELS)} == {1}
     points = panels.labels_of(GRID)
     whole = panels.completeness(panels.first_packings(rows, LABELS), points, maps.SEEDS)

@@ -163,6 +163,10 @@ def test_oblates_of_a_grid_are_over_flattened_with_volumes_up_to_10_percent_off(
     assert -0.1 < volume / true.volume - 1 < 1e-3
     extents = (np.abs(particle.offsets) + particle.radii[:, None]).max(axis=0)
     assert extents[0] / extents[1] < 0.8 * ratio
+    first, (a, b), of_first = oblate.gridded(0.7), prolate.axes(ratio), prolate.axes(0.7)
+    scaled = np.array([a / of_first[0], b / of_first[1], b / of_first[1]])
+    assert particle.offsets == pytest.approx(first.offsets * scaled, abs=1e-12)
+    assert particle.radii == pytest.approx(first.radii, rel=1e-12)
     assert particle.volume == true.volume
     assert particle.inertia == pytest.approx(true.inertia, rel=1e-15)
 
