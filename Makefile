@@ -13,7 +13,7 @@ test: export OPENBLAS_NUM_THREADS := 1
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
 	--constraint $(CONSTRAINTS) --editable
 
-.PHONY: demo test test-oldest test-pythons test-plain browse fuzz fuzz-brief own-silos own-dampers low-drops estimates lint bench \
+.PHONY: demo test test-oldest test-pythons test-plain browse fuzz fuzz-brief own-silos own-dampers low-drops estimates lint bench docs \
 	validate planted \
 	reproduce clogging wheel clean
 .DELETE_ON_ERROR:
@@ -22,7 +22,7 @@ demo: $(VENV)/installed ## discharge silo A4: a number, pictures, and a page tha
 	$(BIN)/silo2d run A4 --page --out $(RUNS)
 
 test: $(VENV)/with-tests ## all tests but the long comparisons and those in a browser
-	$(BIN)/python -m pytest -m "not validation and not browser" $(TESTERS)
+	$(BIN)/python -m pytest -m "not validation and not browser and not docs" $(TESTERS)
 
 test-oldest: ## the same with the oldest versions of what pyproject.toml asks for
 	$(MAKE) test VENV=.venv-oldest CONSTRAINTS=constraints-oldest.txt
@@ -63,6 +63,10 @@ lint: $(VENV)/with-tests ## style, types, import order
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+docs: $(VENV)/with-docs ## the documentation as a site, build/docs/index.html; its first commands run (five minutes)
+	$(BIN)/sphinx-build --fail-on-warning --keep-going --quiet -b html docs build/docs
+	$(BIN)/python -m pytest -m docs tests/docs
 
 bench: $(VENV)/installed ## cost a step: the silo beside a reference kernel, the damper beside LAMMPS
 	$(BIN)/python benchmarks/cost.py
@@ -113,4 +117,8 @@ $(VENV)/installed: pyproject.toml $(CONSTRAINTS)
 
 $(VENV)/with-tests: $(VENV)/installed
 	$(INSTALL) ".[pictures,tests]"
+	touch $@
+
+$(VENV)/with-docs: $(VENV)/with-tests
+	$(INSTALL) ".[pictures,tests,docs]"
 	touch $@

@@ -1,7 +1,8 @@
 """Measurements to contact parameters: videos, tables and signals to values with uncertainty."""
 
-import importlib
 from typing import TYPE_CHECKING
+
+from granulab.lazy import public
 
 if TYPE_CHECKING:
     from calibration.drop.measure import measure_drop
@@ -11,16 +12,9 @@ if TYPE_CHECKING:
 
 __all__ = ["measure_drop", "measure_impacts", "measure_pendulum", "measure_stopwatch"]
 
-_HOMES = {
+__getattr__, __dir__ = public(__name__, {
     "measure_drop": "drop.measure",
     "measure_impacts": "impacts.measure",
     "measure_pendulum": "pendulum.measure",
     "measure_stopwatch": "impacts.stopwatch",
-}
-
-
-def __getattr__(name: str):
-    # Imported on first use: --help must print at once.
-    if name not in _HOMES:
-        raise AttributeError(f"module 'calibration' has no attribute {name!r}")
-    return getattr(importlib.import_module(f"calibration.{_HOMES[name]}"), name)
+})  # fmt: skip

@@ -1,7 +1,8 @@
 """Granular dampers: particles in a shaken enclosure, and the energy that they dissipate."""
 
-import importlib
 from typing import TYPE_CHECKING
+
+from granulab.lazy import public
 
 if TYPE_CHECKING:
     from damper3d.case.case import DamperCase
@@ -24,21 +25,13 @@ __all__ = [
     "run",
 ]
 
-_HOMES = {
-    "DamperCase": ("case.case", "DamperCase"),
-    "Enclosure": ("engine.enclosures", "Enclosure"),
-    "Result": ("run.result", "Result"),
-    "register_enclosure": ("engine.enclosures", "register"),
-    "register_measure": ("measures", "register"),
-    "register_motion": ("engine.motions", "register"),
-    "register_shape": ("shapes", "register"),
-    "run": ("run.protocol", "run"),
-}
-
-
-def __getattr__(name: str):
-    # Imported on first use: --help must print without numba.
-    if name not in _HOMES:
-        raise AttributeError(f"module 'damper3d' has no attribute {name!r}")
-    module, inside = _HOMES[name]
-    return getattr(importlib.import_module(f"damper3d.{module}"), inside)
+__getattr__, __dir__ = public(__name__, {
+    "DamperCase": "case.case",
+    "Enclosure": "engine.enclosures",
+    "Result": "run.result",
+    "register_enclosure": "engine.enclosures:register",
+    "register_measure": "measures:register",
+    "register_motion": "engine.motions:register",
+    "register_shape": "shapes:register",
+    "run": "run.protocol",
+})  # fmt: skip

@@ -1,7 +1,8 @@
 """Discharge of angular particles from 2D silos: spheropolygons with the multi-contact law."""
 
-import importlib
 from typing import TYPE_CHECKING
+
+from granulab.lazy import public
 
 if TYPE_CHECKING:
     from silo2d.case.case import SiloCase
@@ -12,17 +13,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Result", "SiloCase", "register_law", "register_measure", "run"]
 
-
-def __getattr__(name: str):
-    # Imported on first use: --help must print without numba.
-    homes = {
-        "Result": ("run.result", "Result"),
-        "SiloCase": ("case.case", "SiloCase"),
-        "register_law": ("engine.pair_law", "register_law"),
-        "register_measure": ("measures", "register"),
-        "run": ("run.protocol", "run"),
-    }
-    if name not in homes:
-        raise AttributeError(f"module 'silo2d' has no attribute {name!r}")
-    module, inside = homes[name]
-    return getattr(importlib.import_module(f"silo2d.{module}"), inside)
+__getattr__, __dir__ = public(__name__, {
+    "Result": "run.result",
+    "SiloCase": "case.case",
+    "register_law": "engine.pair_law",
+    "register_measure": "measures:register",
+    "run": "run.protocol",
+})  # fmt: skip

@@ -3,7 +3,7 @@
 The names load on first use, so that a command which only prints its help stays quick.
 """
 
-from importlib import import_module
+from granulab.lazy import public
 
 _HOME = {
     "EngineError": "sweeps.task",
@@ -23,9 +23,4 @@ _HOME = {
 }
 
 __all__ = sorted(_HOME)
-
-
-def __getattr__(name: str):
-    if name not in _HOME:
-        raise AttributeError(f"module 'granulab.campaign' has no attribute {name!r}")
-    return getattr(import_module(f"granulab.campaign.{_HOME[name]}"), name)
+__getattr__, __dir__ = public(__name__, _HOME)

@@ -1,7 +1,8 @@
 """Contact parameters and laws: the layer that every simulator and every measurement shares."""
 
-import importlib
 from typing import TYPE_CHECKING
+
+from granulab.lazy import public
 
 if TYPE_CHECKING:
     from granulab.contact.files.table import load_pairs, load_table, write_table
@@ -9,10 +10,10 @@ if TYPE_CHECKING:
 
 __all__ = ["Material", "Pair", "load_pairs", "load_table", "write_table"]
 
-
-def __getattr__(name: str):
-    # Imported on first use: commands must print --help without pydantic and pint.
-    if name not in __all__:
-        raise AttributeError(f"module 'granulab.contact' has no attribute {name!r}")
-    home = "material" if name in ("Material", "Pair") else "files.table"
-    return getattr(importlib.import_module(f"granulab.contact.{home}"), name)
+__getattr__, __dir__ = public(__name__, {
+    "Material": "material",
+    "Pair": "material",
+    "load_pairs": "files.table",
+    "load_table": "files.table",
+    "write_table": "files.table",
+})  # fmt: skip

@@ -1,0 +1,59 @@
+"""The documentation as a site: `make docs` writes build/docs/index.html, warnings being errors.
+
+Pages are the Markdown files of this folder; the reference of the Python packages is made from their
+docstrings, which are plain text: the first paragraph as a sentence, the rest as it stands.
+"""
+
+import importlib
+import re
+
+project = "GranuLab"
+author = "The GranuLab developers"
+copyright = author
+html_title = "GranuLab"
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.viewcode",
+    "sphinx_design",
+]
+exclude_patterns = ["examples", "results/silo2d", "results/damper3d"]
+html_theme = "furo"
+html_theme_options = {"source_edit_link": ""}
+html_show_sphinx = False
+html_copy_source = False
+
+myst_enable_extensions = ["colon_fence"]
+myst_heading_anchors = 4  # the anchors that pages link to, as they are on code hosts
+suppress_warnings = ["myst.header"]  # a page may go from # to ###, as where a table follows
+
+# Public names are loaded on first use; autodoc sees those that are there.
+for name in ("granulab.contact", "granulab.campaign", "silo2d", "damper3d", "calibration"):
+    package = importlib.import_module(name)
+    for public in package.__all__:
+        getattr(package, public)
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+autodoc_preserve_defaults = True
+autodoc_default_options = {"members": True, "undoc-members": False, "inherited-members": False}
+
+
+def as_text(_app, _what, _name, _thing, _options, lines: list[str]) -> None:
+    """Keep the blocks of a docstring that stand in columns as they are; the others are sentences."""
+    blocks = re.split(r"\n\s*\n", "\n".join(lines).strip())
+    found: list[str] = []
+    for block in blocks:
+        own = block.splitlines()
+        if any(line.startswith(" ") or "   " in line.strip() for line in own):
+            found += [".. code-block:: text", "", *(f"   {line}" for line in own), ""]
+        else:
+            text = re.sub(r"([*|\\])|_(?!\w)", lambda m: "\\" + m.group(), " ".join(own))
+            found += [re.sub(r"`([^`]+)`", r"``\1``", text), ""]
+    lines[:] = found
+
+
+def setup(app) -> None:
+    """Hook the docstrings in."""
+    app.connect("autodoc-process-docstring", as_text)
