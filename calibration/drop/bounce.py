@@ -79,7 +79,7 @@ class Bounces:
 
     @property
     def constant_within_noise(self) -> bool | None:
-        """True if one number describes the clip (p at least 0.05); None for one bounce."""
+        """True if one number describes the clip (p at least 0.01); None for one bounce."""
         return None if self.p is None else self.p >= CHANCE
 
 

@@ -64,7 +64,7 @@ class Pendulum:
 
     @property
     def constant_within_noise(self) -> bool | None:
-        """True if one number describes the clip (p at least 0.05); None for one contact."""
+        """True if one number describes the clip (p at least 0.01); None for one contact."""
         return None if self.p is None else self.p >= CHANCE
 
     def frame(self, clock: float) -> float:
