@@ -41,7 +41,7 @@ autodoc_default_options = {"members": True, "undoc-members": False, "inherited-m
 
 
 def as_text(_app, _what, _name, _thing, _options, lines: list[str]) -> None:
-    """Keep the blocks of a docstring that stand in columns as they are; the others are sentences."""
+    """Keep blocks of a docstring that stand in columns as they are; the others are sentences."""
     blocks = re.split(r"\n\s*\n", "\n".join(lines).strip())
     found: list[str] = []
     for block in blocks:
