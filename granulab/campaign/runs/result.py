@@ -94,7 +94,7 @@ class Results:
         rows = "".join(
             f"<tr><td>{html.escape(name)}</td><td>{html.escape(_word(value))}</td></tr>"
             for name, value in vars(self).items()
-            if isinstance(value, bool | int | float | str)
+            if value is None or isinstance(value, bool | int | float | str)
         )
         return f"<table>{rows}</table>{self._picture()}"
 
@@ -107,7 +107,9 @@ class Results:
         return f'<img style="max-width: 100%" src="data:image/png;base64,{image}">'
 
 
-def _word(value: bool | int | float | str) -> str:
+def _word(value: bool | int | float | str | None) -> str:
+    if value is None:
+        return "-"
     if isinstance(value, float) and math.isfinite(value):
         return f"{value:.6g}"
     return str(value)
