@@ -4,6 +4,7 @@
 """
 
 import ast
+import re
 import sys
 from pathlib import Path
 
@@ -20,6 +21,16 @@ ROOT = Path(__file__).parents[1]
 PACKAGES = (
     "granulab/contact", "granulab/campaign", "silo2d", "damper3d", "calibration", "granulab/studio",
 )  # fmt: skip
+# Folders of tests, and what they are about.
+VERIFIED = {
+    "contact": "Contact laws", "silo2d": "Silos", "damper3d": "Dampers",
+    "calibration": "Measurements", "campaign": "Statistics and runs",
+}  # fmt: skip
+# A docstring that names an equation, a section, a table, a figure, a publication or a law.
+SOURCE = re.compile(
+    r"\b(?:[Ee]qs?|[Ss]ecs?|[Ff]igs?)\. |\bTables? \d|\b(?:19|20)\d\d\b|EN 1991|Hertz|Mindlin|"
+    r"Janssen|Rayleigh|Coulomb|Newton|Steiner|Student|Wilson|closed form|by hand|exact"
+)
 
 
 def generated() -> dict[Path, str]:
@@ -35,6 +46,7 @@ def generated() -> dict[Path, str]:
         **_with_part("docs/silo-loads.md", "keys", key_tables(Spec)),
         **_with_part("README.md", "map", _map()),
         **_with_part("docs/contributing.md", "modules", _modules()),
+        **_with_part("docs/verification.md", "tests", _verified()),
     }
 
 
@@ -68,6 +80,32 @@ def _modules() -> str:
         name = folder.relative_to(ROOT).as_posix()
         parts.append(f"### `{name}/`\n\n{_summary(folder / '__init__.py')}\n{table}")
     return "\n".join(parts)
+
+
+def _verified() -> str:
+    """Each test that compares with a source or a closed form, numbered, in its own words."""
+    parts, number = [], 0
+    for folder, title in VERIFIED.items():
+        parts.append(f"## {title}\n")
+        for file in sorted((ROOT / "tests" / folder).glob("test_*.py")):
+            tree = ast.parse(file.read_text(encoding="utf-8"))
+            own = [(f.name, ast.get_docstring(f) or "") for f in ast.walk(tree)
+                   if isinstance(f, ast.FunctionDef) and f.name.startswith("test_")]  # fmt: skip
+            own = [(name, words) for name, words in own if SOURCE.search(words)]
+            if own:
+                parts.append(f"### {_summary(file).rstrip('.')}\n\n`tests/{folder}/{file.name}`\n")
+            for name, words in own:
+                number += 1
+                sentence = name.removeprefix("test_").replace("_", " ")
+                parts.append(
+                    f"**{number}.** {sentence[0].upper()}{sentence[1:]}.\n{_plain(words)}\n"
+                )
+    return "\n".join(parts)
+
+
+def _plain(words: str) -> str:
+    """Words of a docstring as they stand, whatever signs of Markdown are among them."""
+    return re.sub(r"([*_<>|\[\]`])", r"\\\1", words)
 
 
 def _folders(folder: Path) -> list[Path]:
