@@ -12,26 +12,36 @@ if TYPE_CHECKING:
     from damper3d.measures import register as register_measure
     from damper3d.run.protocol import run
     from damper3d.run.result import Result
+    from damper3d.run.sweep import sweep
     from damper3d.shapes import register as register_shape
+    from damper3d.studies.map.grid import Grid, MapResult, efficiency_map
 
 __all__ = [
     "DamperCase",
     "Enclosure",
+    "Grid",
+    "MapResult",
     "Result",
+    "efficiency_map",
     "register_enclosure",
     "register_measure",
     "register_motion",
     "register_shape",
     "run",
+    "sweep",
 ]
 
 __getattr__, __dir__ = public(__name__, {
     "DamperCase": "case.case",
     "Enclosure": "engine.enclosures",
+    "Grid": "studies.map.grid",
+    "MapResult": "studies.map.grid",
     "Result": "run.result",
+    "efficiency_map": "studies.map.grid",
     "register_enclosure": "engine.enclosures:register",
     "register_measure": "measures:register",
     "register_motion": "engine.motions:register",
     "register_shape": "shapes:register",
     "run": "run.protocol",
+    "sweep": "run.sweep",
 })  # fmt: skip

@@ -10,8 +10,9 @@ if TYPE_CHECKING:
     from silo2d.measures import register as register_measure
     from silo2d.run.protocol import run
     from silo2d.run.result import Result
+    from silo2d.run.sweep import sweep
 
-__all__ = ["Result", "SiloCase", "register_law", "register_measure", "run"]
+__all__ = ["Result", "SiloCase", "register_law", "register_measure", "run", "sweep"]
 
 __getattr__, __dir__ = public(__name__, {
     "Result": "run.result",
@@ -19,4 +20,5 @@ __getattr__, __dir__ = public(__name__, {
     "register_law": "engine.pair_law",
     "register_measure": "measures:register",
     "run": "run.protocol",
+    "sweep": "run.sweep",
 })  # fmt: skip

@@ -6,7 +6,7 @@ The packing does not depend on frequency and acceleration, so all points of a ma
 import tempfile
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from damper3d.case.case import DamperCase
 from damper3d.case.host.several import OWN
@@ -28,6 +28,9 @@ from granulab.campaign.sweeps.sweep import Simulator, Task, run_labelled, run_or
 from granulab.contact.files.keys import Keys
 from granulab.contact.jit import already_compiled, cache_folder
 from granulab.errors import InputError
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 # On a host it counts how much of its motion is left; by itself a damper has its efficiency.
 QUANTITIES = Quantities(
@@ -134,6 +137,23 @@ class DamperKeys(Keys):
 load_study = partial(label_study, keys=DamperKeys(Settings), load=DamperCase.load)
 run_cases = partial(run_labelled, DAMPER)  # labelled DamperCases; a row for each
 run_study = partial(run_labelled_study, DAMPER)
+
+
+def sweep(
+    study: str | Path, changes: dict[str, Any] | None = None, *, out: str | Path = "runs",
+    workers: int | None = None, quiet: bool = True,
+) -> "DataFrame":  # fmt: skip
+    """Run a study file of dampers; its table, a row a run with labels, state and results, in SI.
+
+    changes: of all cases, by key, before the study's own. workers: runs at a time; None: all cores.
+    The script that calls it needs `if __name__ == "__main__"`, as the workers import it. Raises
+    InputError, one line, where the study cannot be.
+    """
+    from pandas import DataFrame
+
+    loaded = load_study(study, changes)
+    _, rows = run_study(loaded, out=Path(out), workers=workers, quiet=quiet)
+    return DataFrame(rows)
 
 
 def commented_study() -> str:

@@ -3,7 +3,7 @@
 import tempfile
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from granulab.campaign.runs.lock import once
 from granulab.campaign.runs.protocol import Stop, packing_sources
@@ -22,6 +22,9 @@ from silo2d.run import protocol
 from silo2d.run.packing import load_packing, packing_folder
 from silo2d.run.result import Result
 from silo2d.run.sources import MEASURES, SOURCES
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 
 def _flowed(row: dict[str, Any]) -> bool:
@@ -128,6 +131,23 @@ SILO = Simulator(
 load_study = partial(label_study, keys=Keys(Settings), load=SiloCase.load)
 run_cases = partial(run_labelled, SILO)  # labelled SiloCases; a row for each
 run_study = partial(run_labelled_study, SILO)
+
+
+def sweep(
+    study: str | Path, changes: dict[str, Any] | None = None, *, out: str | Path = "runs",
+    workers: int | None = None, quiet: bool = True,
+) -> "DataFrame":  # fmt: skip
+    """Run a study file of silos; its table, a row a run with labels, state and results, in SI.
+
+    changes: of all cases, by key, before the study's own. workers: runs at a time; None: all cores.
+    The script that calls it needs `if __name__ == "__main__"`, as the workers import it. Raises
+    InputError, one line, where the study cannot be.
+    """
+    from pandas import DataFrame
+
+    loaded = load_study(study, changes)
+    _, rows = run_study(loaded, out=Path(out), workers=workers, quiet=quiet)
+    return DataFrame(rows)
 
 
 def commented_study() -> str:

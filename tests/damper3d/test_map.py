@@ -110,6 +110,14 @@ def test_point_whose_runs_failed_is_missing_and_the_rest_is_mapped(requested, tm
     assert "failed: 9 runs" in as_text(results)
 
 
+def test_a_map_is_a_frame_with_a_row_a_point(requested, tmp_path):
+    found = made_map(tmp_path)
+    frame = found.frame()
+    assert len(frame) == len(SMALL.points)
+    assert list(frame["efficiency"]) == list(found.efficiency)
+    assert set(frame["packings"]) == {3}
+
+
 def test_unknown_column_is_refused_with_those_there_are(requested, tmp_path):
     result = made_map(tmp_path)
     assert result.mean("law_term") == pytest.approx(0.01 * result.gamma)

@@ -105,6 +105,17 @@ def digests(_swept_root) -> list[str]:
 
 
 @pytest.mark.usefixtures("in_this_process")
+def test_a_sweep_from_python_is_the_table_as_a_frame(swept, digests):
+    """Runs that are there are taken; rows in the order of the command's table."""
+    from silo2d import sweep as swept_from_python
+
+    found = swept_from_python(swept, out=swept.parent / "runs", workers=1)
+    assert list(found["state_digest"]) == digests
+    assert list(found["seed"]) == [1, 2, 1, 2]
+    assert set(found["state"]) == {"done"}
+
+
+@pytest.mark.usefixtures("in_this_process")
 def test_the_same_bits_as_alone_however_many_workers(study, digests):
     """None, as two, as `silo2d run`.
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,9 @@ from granulab.campaign.output.statistics import half_width_of_mean, mean_sd
 from granulab.campaign.sweeps.sweep import Labelled, over_seeds
 from granulab.contact.files.units import nearest
 from granulab.errors import InputError
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 Floats = NDArray[np.float64]
 Rows = list[dict[str, Any]]
@@ -123,6 +126,15 @@ class MapResult:
         Student's; NaN where there is one packing or none.
         """
         return np.array([_of_packings(_numbers(group, column)) for group in self._groups])
+
+    def frame(self) -> "DataFrame":
+        """A row a point: frequency, Gamma, mean efficiency, its half width, packings, phase."""
+        from pandas import DataFrame
+
+        return DataFrame({
+            "frequency_hz": self.frequency, "gamma": self.gamma, "efficiency": self.efficiency,
+            "half_width": self.half_width, "packings": self.packings, "phase": self.phases,
+        })  # fmt: skip
 
     def mean(self, column: str) -> Floats:
         """Mean over the packings of a column of numbers (n,), such as "law_term".
