@@ -128,12 +128,12 @@ def test_statements_of_a_shift_fail_where_shape_does_nothing():
     assert [found[name] for name in shift] == [False] * len(shift)
 
 
-def test_the_thesis_own_oblates_must_miss_the_rise_that_true_ones_show():
+def test_the_thesis_own_oblates_must_not_fall_towards_the_sphere_as_true_ones_do():
     def as_true(shape, frequency):
         family = "spheroid" if shape[0] == quantities.GRIDDED else shape[0]
         return thesis_like((family, shape[1]), frequency)
 
-    assert verdicts(onset_rows(as_true))["thesis-own-oblates-do-not-rise"] is False
+    assert verdicts(onset_rows(as_true))["thesis-own-oblates-show-no-left-side"] is False
 
 
 def test_onset_is_found_where_it_was_made():
