@@ -1,6 +1,7 @@
 """The causes of the half V: how an onset is read off a curve, the study's words on made runs."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,7 +9,10 @@ import pytest
 from damper3d.reproduce import causes
 from damper3d.reproduce.causes import AT, FIRST, READINGS, VARIANTS, Rise, rise_of
 from damper3d.reproduce.panels import labels_of
+from damper3d.reproduce.quantities import shapes as quantities
+from damper3d.reproduce.quantities.optima import pooled_scatter
 from damper3d.studies.map.grid import GAMMAS
+from granulab.campaign.output.results import read_results
 
 HUMP = np.array([12.0, 15.0, 20.0, 25.0, 30.0, 40.0, 50.0])
 
@@ -106,7 +110,19 @@ def test_one_packing_each_leaves_the_interval_open():
     rise = rise_of([[math.log(20.0)], [math.log(31.0)]])
     assert rise.half_width() == math.inf
     assert rise.words == "+55 %"
-    assert not rise.reaches
+    assert rise.reaches
+    assert not rise_of([[math.log(20.0)], [math.log(29.0)]]).reaches
+
+
+def test_variants_of_one_packing_have_the_scatter_of_the_table_of_shapes():
+    """Its optima at 40 Hz, of three packings each, pooled: kept to two digits."""
+    found = causes.rises(made(shipped(1.24), seeds=(1,)))
+    assert {rise.freedom for rise in found.values()} == {causes.SCATTER[1]}
+    path = Path(__file__).parents[2] / "docs/results/damper3d/reproduce-shapes.csv"
+    optima = [one for line, one in quantities.optima(read_results(path)[1]).items()
+              if line.frequency == 40.0]  # fmt: skip
+    sd, freedom = pooled_scatter(optima)
+    assert (round(sd, 3), freedom) == causes.SCATTER
 
 
 @pytest.mark.parametrize(("rise", "error", "reaches"), [
