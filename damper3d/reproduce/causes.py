@@ -9,8 +9,9 @@ the thesis's Gammas alone, which lie at 15, 20, 30 and 40, by its largest point 
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import product
+from statistics import fmean
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -47,6 +48,7 @@ COLUMNS = (
 RATIOS = 1.0, 1.5  # the sphere, and the prolate whose onset the thesis has more than 50 % above
 PRINTED = 0.5
 Where = tuple[float, str]  # frequency [Hz] and orientation
+Found = Mapping[tuple[str, Where], tuple[Optimum, Optimum]]  # of each variant, at each place
 AT: Where = (40.0, "vertical")  # of all variants; the first is run in all four
 FIRST = "as shipped"
 
@@ -157,8 +159,6 @@ READINGS = {
     "thesis's, spline over Gamma": Reading(by_spline),
     "thesis's, largest point": Reading(by_largest),
 }
-
-
 FITTED = "thesis's, spline over ln Gamma"  # as the thesis may have read them
 
 
@@ -201,7 +201,7 @@ def rows_at(rows: Iterable[Row], variant: str, where: Where, ratio: float) -> li
     return [row for row in rows if tuple(row[name] for name in labels) == own]
 
 
-def optima(rows: Sequence[Row]) -> dict[tuple[str, Where], tuple[Optimum, Optimum]]:
+def optima(rows: Sequence[Row]) -> Found:
     """The onsets of both shapes, of each variant at each place where both have a peak."""
     places = dict.fromkeys(
         (row["variant"], (row["frequency_hz"], row["orientation"])) for row in done(rows)
@@ -219,9 +219,8 @@ def optima(rows: Sequence[Row]) -> dict[tuple[str, Where], tuple[Optimum, Optimu
     return found
 
 
-def rises(rows: Sequence[Row]) -> dict[tuple[str, Where], Rise]:
+def rises(found: Found) -> dict[tuple[str, Where], Rise]:
     """The rise of each variant at each place; all share one scatter over packings."""
-    found = optima(rows)
     shared = pooled_scatter([one for both in found.values() for one in both]) or SCATTER
     return {
         key: rise_of([one.alone or (math.log(one.gamma),) for one in both], shared)
@@ -235,7 +234,7 @@ def rise_of(onsets: Sequence[Sequence[float]], shared: tuple[float, int] | None 
     shared: standard deviation over packings and its degrees of freedom; left out, their own.
     """
     samples = [mean_sd(own) for own in onsets]
-    sphere, prolate = (sum(own) / len(own) for own in onsets)
+    sphere, prolate = map(fmean, onsets)
     sd, freedom = shared or pooled_sd(samples) or (math.nan, 0)
     error = sd * math.sqrt(sum(1 / one.n for one in samples))
     return Rise(prolate - sphere, error, freedom, (math.exp(sphere), math.exp(prolate)))
@@ -267,23 +266,26 @@ def _read(rows: Sequence[Row], reading: Reading) -> float:
 
 def report(rows: list[Row]) -> str:
     """Return what lacks, the rise of each variant and reading, and which reach what is printed."""
+    found = optima(rows)
+    risen = rises(found)
     return paragraphs(
         completeness(rows, labels_of(panels()), SEEDS),
-        _variant_table(rows),
+        _variant_table(rows, found, risen),
         _reading_table(rows),
-        _words(rows),
+        _words(rows, risen),
         _CRITERION,
     )
 
 
-def _variant_table(rows: Sequence[Row]) -> str:
-    all_rises = rises(rows)
+def _variant_table(
+    rows: Sequence[Row], found: Found, risen: Mapping[tuple[str, Where], Rise]
+) -> str:
     lines = [
         [variant, f"{frequency:g} Hz {orientation}", *(with_scatter(one) for one in both),
          *(f"{one.mean.efficiency:.3f}" for one in both),
-         all_rises[variant, (frequency, orientation)].words,
+         risen[variant, (frequency, orientation)].words,
          _percent(read_rise(rows, READINGS[FITTED], (frequency, orientation), variant))]
-        for (variant, (frequency, orientation)), both in optima(rows).items()
+        for (variant, (frequency, orientation)), both in found.items()
     ]  # fmt: skip
     heads = ["variant", "where", "sphere", "prolate of 1.5", "eta", "eta of 1.5", "rise", "as read"]
     return columns(heads, lines) if lines else ""
@@ -310,9 +312,9 @@ def _read_words(rise: Rise | None) -> str:
     return f"{sphere:.3g} to {prolate:.3g}, {rise.words}"
 
 
-def _words(rows: Sequence[Row]) -> str:
+def _words(rows: Sequence[Row], risen: Mapping[tuple[str, Where], Rise]) -> str:
     """Names of the variants and readings of each verdict, at the place that all have."""
-    here = {variant: rise for (variant, where), rise in rises(rows).items() if where == AT}
+    here = {variant: rise for (variant, where), rise in risen.items() if where == AT}
     first = here.get(FIRST)
     if first is None:
         return ""

@@ -13,6 +13,7 @@ from damper3d.reproduce.causes import (
     RATIOS,
     READINGS,
     Rise,
+    optima,
     read_rise,
     rises,
     rows_at,
@@ -30,8 +31,8 @@ def draw_causes(rows: Sequence[Row]) -> "Figure":
     """The rise of each variant and reading, and the curves of the first variant."""
     from matplotlib.figure import Figure
 
-    found = rises(rows)
-    here = {variant: rise for (variant, where), rise in found.items() if where == AT}
+    risen = rises(optima(rows))
+    here = {variant: rise for (variant, where), rise in risen.items() if where == AT}
     read = {name: read_rise(rows, reading, AT) for name, reading in READINGS.items()}
     lines = [(name, rise, BLUE) for name, rise in here.items()]
     lines += [(name, rise, ORANGE) for name, rise in read.items() if rise is not None]

@@ -190,25 +190,31 @@ def over_sphericity(readings: Readings, of: str, low: float, high: float) -> lis
 @SHAPES.quantity
 def slope_over_sphericity(readings: Readings, low: float, high: float) -> list[Row]:
     """Slope of ln onset over sphericity of the same; `change` from the highest to the lowest."""
-    found = []
+    found: list[Row] = []
     for line in bouncing_lines():
         own = [(x, y) for x, y in by_sphericity(readings.found, line) if low <= x <= high]
-        trend = slope([x for x, _ in own], [math.log(times) for _, times in own])
-        if trend is not None:
-            found.append(_at(line) | {
-                "value": trend.value, "change": math.exp((low - high) * trend.value) - 1,
-                "remark": " (within noise)" * (abs(trend.value) <= trend.half_width),
-                "shown": ", ".join(f"{times:.2f} at {x:.3f}" for x, times in own),
-            })  # fmt: skip
+        shown = ", ".join(f"{times:.2f} at {x:.3f}" for x, times in own)
+        found += _trend(line, own, low - high, shown)
     return found
+
+
+def _trend(line: Line, pairs: Sequence[tuple[float, float]], span: float, shown: str) -> list[Row]:
+    """Slope of ln y over x of some pairs (x, y), and by how much y changes over a span of x."""
+    trend = slope([x for x, _ in pairs], [math.log(y) for _, y in pairs])
+    if trend is None:
+        return []
+    hidden = abs(trend.value) <= trend.half_width
+    return [
+        _at(line) | {"value": trend.value, "change": math.exp(span * trend.value) - 1,
+                     "remark": " (within noise)" * hidden, "shown": shown}
+    ]  # fmt: skip
 
 
 @SHAPES.quantity
 def onset(readings: Readings) -> list[Row]:
     """Gamma of the bouncing bed's onset of each shape; eta there, and the bracket in `shown`."""
     return [
-        _at(line) | {"family": family, "ratio": ratio, "item": _item(family, ratio),
-                     "value": one.gamma,
+        _at(line) | {"family": family, "ratio": ratio, "value": one.gamma,
                      "eta": one.mean.efficiency, "shown": _shown(ratio, one)}
         for line in bouncing_lines()
         for family in ("spheroid", "toroid", GRIDDED)
@@ -262,17 +268,11 @@ def rise_beyond_packing(readings: Readings) -> list[Row]:
 @SHAPES.quantity
 def slope_over_hole_ratio(readings: Readings) -> list[Row]:
     """Slope of ln onset over the hole ratio of toroids; `change` from 0.05 to 0.33."""
-    found = []
+    found: list[Row] = []
     for line in bouncing_lines():
         own = {r: one for r, one in onsets(readings.found, "toroid", line).items() if r > 0}
-        trend = slope(list(own), [math.log(one.gamma) for one in own.values()])
-        if trend is not None:
-            hidden = abs(trend.value) <= trend.half_width
-            found.append(_at(line) | {
-                "value": trend.value, "change": math.exp(0.28 * trend.value) - 1,
-                "remark": " (within noise)" * hidden,
-                "shown": ", ".join(_shown(ratio, one) for ratio, one in own.items()),
-            })  # fmt: skip
+        shown = ", ".join(_shown(ratio, one) for ratio, one in own.items())
+        found += _trend(line, [(ratio, one.gamma) for ratio, one in own.items()], 0.28, shown)
     return found
 
 
@@ -305,13 +305,13 @@ def fluidisation_optimum(readings: Readings) -> list[Row]:
             for line, one in lines.items()
             if (line.frequency, line.orientation) == where
         }
-        known = sum(one is not None for shape, one in own.items() if shape[0] != GRIDDED)
+        true = [one for shape, one in own.items() if shape[0] != GRIDDED]
         found += [
             {"frequency_hz": where[0], "orientation": where[1], "family": shape[0],
-             "ratio": shape[1], "item": "gridded" if shape[0] == GRIDDED else _item(*shape),
+             "ratio": shape[1], "particles": particle_text(shape),
              "value": one.gamma if one else math.nan,
-             "eta": one.mean.efficiency if one else math.nan, "peaks": known,
-             "curves": sum(shape[0] != GRIDDED for shape in own)}
+             "eta": one.mean.efficiency if one else math.nan,
+             "peaks": sum(each is not None for each in true), "curves": len(true)}
             for shape, one in own.items()
         ]  # fmt: skip
     return found
@@ -425,15 +425,6 @@ def slope_over_friction(readings: Readings) -> list[Row]:
     trend = slope(list(gains), list(gains.values()))
     shown = ", ".join(f"mu {value:g} {gain:+.3f}" for value, gain in gains.items())
     return [{"value": trend.value, "shown": shown}] if trend else []
-
-
-def _item(family: str, ratio: float) -> str:
-    """A word for a shape of a claim that compares families."""
-    if family == GRIDDED:
-        return f"{GRIDDED} {ratio:g}"
-    if family == "toroid":
-        return f"toroid of {ratio:g}"
-    return "sphere" if ratio == 1 else f"{'oblate' if ratio < 1 else 'prolate'} of {ratio:g}"
 
 
 def _at(line: Line) -> Row:
