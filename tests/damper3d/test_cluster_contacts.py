@@ -1,4 +1,4 @@
-"""Contacts of clusters: found as by brute force, whatever the lists; books; several of one pair."""
+"""Contacts of clusters: found as by brute force, whatever the lists; energy; several of a pair."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What a step must keep exactly: Newton's laws, momenta; and the energy books to second order."""
+"""What a step must keep exactly: Newton's laws, momenta; energy balance to second order."""
 
 import numpy as np
 import pytest

@@ -1,18 +1,18 @@
-"""An enclosure from outside the package: a closed cone, described, registered and run in one file.
+"""An enclosure from outside the package: the closed cone that docs/examples/extend describes.
 
 The same goes for any other: a frozen dataclass with the sizes, a named tuple with the numbers of
 its curved walls, a function for their geometry, and one call of register_enclosure. A process of
 its own runs it, see extended_damper.py, so that the enclosure is not known to the other tests.
 """
 
-import math
-from dataclasses import dataclass
+import importlib
+import sys
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from damper3d import DamperCase, Enclosure, register_enclosure
+from damper3d import DamperCase
 from damper3d.case.settings import read_settings
 from damper3d.engine import ENGINE
 from damper3d.run.fill import resting
@@ -20,56 +20,13 @@ from damper3d.run.packing import load_packing, packing_folder
 from granulab.contact.jit import cache_folder, extensions
 from granulab.errors import InputError
 
-
-@dataclass(frozen=True)
-class Cone(Enclosure):
-    """A closed cone on its larger end; inner sizes [m]."""
-
-    shape = "cone"
-    diameter: float  # of the bottom
-    lid_diameter: float
-    height: float = 0.04
-
-    @property
-    def width(self):
-        return self.diameter
-
-    depth = width
-
-    @property
-    def volume(self):
-        a, b = 0.5 * self.diameter, 0.5 * self.lid_diameter
-        return math.pi / 3.0 * self.height * (a * a + a * b + b * b)
-
-    @property
-    def wall_names(self):
-        return ["bottom", "top", "side"]
-
-    @property
-    def surface(self):
-        fall = 0.5 * (self.diameter - self.lid_diameter) / self.height  # of the radius with height
-        return Mantle(0.5 * self.diameter, fall)
-
-
-class Mantle(NamedTuple):
-    """The side of a cone: its radius is bottom - fall z."""
-
-    bottom: float
-    fall: float
-
-
-def nearest_on_mantle(surface, wall, x, y, z):
-    """Distance from the side, unit vector towards it, harmonic mean of its radii of curvature."""
-    away = max(np.sqrt(x * x + y * y), 1e-300)
-    slope = np.sqrt(1.0 + surface.fall * surface.fall)
-    distance = (surface.bottom - surface.fall * z - away) / slope
-    normal = x / (away * slope), y / (away * slope), surface.fall / slope
-    return distance, normal, 2.0 * (away * slope + distance)
+EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "extend" / "enclosure.py"
 
 
 def register():
-    """Make it known to this process."""
-    register_enclosure(Cone, Mantle, nearest_on_mantle)
+    """Make it known to this process, which the example does where it is imported."""
+    sys.path.insert(0, str(EXAMPLE.parent))
+    importlib.import_module(EXAMPLE.stem)
 
 
 CASE = {
@@ -129,7 +86,7 @@ def found(case, result, out) -> dict[str, Any]:
         "again": DamperCase.load(file).enclosure == case.enclosure,
         "written": read_settings(file)["enclosure"], "least": min(least), "bed": packing.fraction,
         "refused": [refused(change) for change in WRONG.values()],
-        "extends": Path(__file__).resolve() in extensions(ENGINE), "kept": cache_folder(ENGINE),
+        "extends": EXAMPLE.resolve() in extensions(ENGINE), "kept": cache_folder(ENGINE),
     }  # fmt: skip
 
 

@@ -185,7 +185,7 @@ def test_pair_that_rotates_as_a_whole_does_not_slip():
 def test_energy_guard(tangential, damped, mu):
     """No impact may gain energy, at angles from 0 to 89 degrees. The stored force and the exact
     law keep to that. A stored displacement gains what its spring does (`law_term`), up to 0.5 % of
-    the energy where friction is high and the impact elastic. The books close: what was lost is what
+    the energy where friction is high and the impact elastic. It balances: what was lost is what
     each mechanism took. Tolerance: second order in the step; of the exact law also its springs at
     the rim, 1/400 of which comes and goes.
 
@@ -223,8 +223,8 @@ GRAZING, GRAZING_FRICTION = (45, 60, 68, 72, 74, 76, 78, 80, 84, 88, 89), 0.5
 @pytest.mark.parametrize("e", [1.0, 0.9, 0.5, 0.2])
 def test_grazing_impact_gains_nothing(e, end, tangential):
     """LAMMPS's case by each tangential law, with its dashpots. The sphere arrives without spin, so
-    that friction can only slow it. Its books close, and it leaves with no more energy than it
-    came with, to what the books leave open: second order in the step, 20/steps^2 of the impact
+    that friction can only slow it. Its energy balance closes, and it leaves with no more energy
+    than it came with, to what the balance leaves open: second order in the step, 20/steps^2 of the impact
     energy as in the energy guard; by the exact law also a spring at the rim, 3e-5."""
     steps = 4000
     for angle in GRAZING:
