@@ -224,8 +224,8 @@ GRAZING, GRAZING_FRICTION = (45, 60, 68, 72, 74, 76, 78, 80, 84, 88, 89), 0.5
 def test_grazing_impact_gains_nothing(e, end, tangential):
     """LAMMPS's case by each tangential law, with its dashpots. The sphere arrives without spin, so
     that friction can only slow it. Its energy balance closes, and it leaves with no more energy
-    than it came with, to what the balance leaves open: second order in the step, 20/steps^2 of the impact
-    energy as in the energy guard; by the exact law also a spring at the rim, 3e-5."""
+    than it came with, to what the balance leaves open: second order in the step, 20/steps^2 of the
+    impact energy as in the energy guard; by the exact law also a spring at the rim, 3e-5."""
     steps = 4000
     for angle in GRAZING:
         impact = oblique(
