@@ -1,6 +1,6 @@
 """The contact law and pymunk on the same packings: what comes out, and what it costs.
 
-    python benchmarks/engines.py [--out DIR] [--table docs/pymunk.csv]
+    python benchmarks/engines.py [--out DIR] [--table docs/results/pymunk.csv]
 
 Every row of pymunk is compared with the run by the contact law from the same packing. Runs that
 stand in DIR are not done again; their CPU times are those of when they were made.
@@ -59,10 +59,10 @@ def main() -> None:
     """Write the table after every silo, so that what was computed is not lost."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("runs"), help="folder of the runs")
-    parser.add_argument("--table", type=Path, default=Path("docs/pymunk.csv"))
+    parser.add_argument("--table", type=Path, default=Path("docs/results/pymunk.csv"))
     given = parser.parse_args()
     text = io.StringIO()
-    text.write("# python benchmarks/engines.py; what the columns mean: docs/pymunk.md\n")
+    text.write("# python benchmarks/engines.py; columns: docs/verification/pymunk.md\n")
     writer = csv.DictWriter(text, COLUMNS, extrasaction="ignore", lineterminator="\n")
     writer.writeheader()
     for silo, seed in CASES:

@@ -4,9 +4,12 @@
 """
 
 import ast
+import csv
 import re
 import sys
 from pathlib import Path
+
+from house import picture
 
 from damper3d.case import settings as damper
 from damper3d.run import sweep as damper_sweep
@@ -26,6 +29,18 @@ VERIFIED = {
     "contact": "Contact laws", "silo2d": "Silos", "damper3d": "Dampers",
     "calibration": "Measurements", "campaign": "Statistics and runs",
 }  # fmt: skip
+# A picture of a file of tests that shows what they compare.
+FIGURES = {
+    "test_partial_slip": "contact-force", "test_sphere_impact": "contact-oblique",
+    "test_damper_contact": "contact-damping", "test_cluster_contacts": "contact-shape-force",
+    "test_ring_shear": "contact-ring-shear", "test_rigid_motion": "contact-free-rotation",
+    "test_shapes_errors": "shape-toroid-0.2", "test_arch": "measure-arch",
+    "test_fields": "measure-fields", "test_loads_closed_forms": "silo-loads-wheat",
+    "test_loads_of_runs": "silo-loads-a4", "test_host": "damper-host",
+    "test_excitation": "damper-excitation", "test_field": "damper-field",
+    "test_design": "damper-design", "test_damper_phases": "phases-map",
+}  # fmt: skip
+MEASURED = ROOT / "docs/results/verification.csv"  # by `make verified`
 # A docstring that names an equation, a section, a table, a figure, a publication or a law.
 SOURCE = re.compile(
     r"\b(?:[Ee]qs?|[Ss]ecs?|[Ff]igs?)\. |\bTables? \d|\b(?:19|20)\d\d\b|EN 1991|Hertz|Mindlin|"
@@ -40,13 +55,14 @@ def generated() -> dict[Path, str]:
         ROOT / "data/cases/damper.toml": damper.commented_case(),
         ROOT / "data/studies/friction.toml": silo_sweep.commented_study(),
         ROOT / "data/studies/damper.toml": damper_sweep.commented_study(),
-        **_with_part("docs/sweeps.md", "keys", plain_table(StudyKeys)),
-        **_with_part("docs/silo-case.md", "keys", key_tables(silo.Settings)),
-        **_with_part("docs/damper-case.md", "keys", key_tables(damper.Settings)),
-        **_with_part("docs/silo-loads.md", "keys", key_tables(Spec)),
+        **_with_part("docs/runs/sweeps.md", "keys", plain_table(StudyKeys)),
+        **_with_part("docs/silo/case.md", "keys", key_tables(silo.Settings)),
+        **_with_part("docs/damper/case.md", "keys", key_tables(damper.Settings)),
+        **_with_part("docs/silo/loads.md", "keys", key_tables(Spec)),
         **_with_part("README.md", "map", _map()),
-        **_with_part("docs/contributing.md", "modules", _modules()),
-        **_with_part("docs/verification.md", "tests", _verified()),
+        **_with_part("docs/reference/modules.md", "modules", _modules()),
+        ROOT / "docs/pictures/house.svg": picture(ROOT, _purposes()),
+        **_verified(),
     }
 
 
@@ -59,14 +75,17 @@ def _with_part(name: str, part: str, text: str) -> dict[Path, str]:
     return {ROOT / name: f"{before}{begin}\n{text}\n{end}{rest.partition(end)[2]}"}
 
 
+def _purposes() -> dict[str, str]:
+    """The sentence of each package, by its folder."""
+    return {name: _summary(ROOT / name / "__init__.py") for name in PACKAGES}
+
+
 def _map() -> str:
     """A row for each package: its purpose and its folders."""
     rows = ["| package | purpose | folders |", "|---|---|---|"]
-    for name in PACKAGES:
+    for name, purpose in _purposes().items():
         folders = [f"`{path.name}`" for path in _folders(ROOT / name)]
-        rows.append(
-            f"| `{name}/` | {_summary(ROOT / name / '__init__.py')} | {', '.join(folders)} |"
-        )
+        rows.append(f"| `{name}/` | {purpose} | {', '.join(folders)} |")
     return "\n".join(rows) + "\n"
 
 
@@ -82,25 +101,49 @@ def _modules() -> str:
     return "\n".join(parts)
 
 
-def _verified() -> str:
-    """Each test that compares with a source or a closed form, numbered, in its own words."""
-    parts, number = [], 0
+def _verified() -> dict[Path, str]:
+    """A page for each folder of VERIFIED with its statements, numbered on, and the table of all."""
+    measured = _measured()
+    pages, rows, number = {}, ["| | statements | with a measured difference |", "|---|---|---|"], 1
     for folder, title in VERIFIED.items():
-        parts.append(f"## {title}\n")
+        parts, first, of_these = [f"# {title}: what the tests verify\n"], number, 0
         for file in sorted((ROOT / "tests" / folder).glob("test_*.py")):
-            tree = ast.parse(file.read_text(encoding="utf-8"))
-            own = [(f.name, ast.get_docstring(f) or "") for f in ast.walk(tree)
-                   if isinstance(f, ast.FunctionDef) and f.name.startswith("test_")]  # fmt: skip
-            own = [(name, words) for name, words in own if SOURCE.search(words)]
+            own = _statements(file)
             if own:
-                parts.append(f"### {_summary(file).rstrip('.')}\n\n`tests/{folder}/{file.name}`\n")
+                parts.append(f"## {_summary(file).rstrip('.')}\n\n`tests/{folder}/{file.name}`\n")
+                if file.stem in FIGURES:
+                    parts.append(f"![{_summary(file)}](../pictures/{FIGURES[file.stem]}.png)\n")
             for name, words in own:
-                number += 1
+                found = measured.get(f"tests/{folder}/{file.name}::{name}")
+                of_these += found is not None
                 sentence = name.removeprefix("test_").replace("_", " ")
                 parts.append(
                     f"**{number}.** {sentence[0].upper()}{sentence[1:]}.\n{_plain(words)}\n"
+                    + (f"*{found}*\n" if found else "")
                 )
-    return "\n".join(parts)
+                number += 1
+        pages[ROOT / f"docs/verification/{folder}.md"] = "\n".join(parts)
+        rows.append(f"| [{title}]({folder}.md) | {first} to {number - 1} | {of_these} |")
+    return {**pages, **_with_part("docs/verification/tests.md", "tests", "\n".join(rows) + "\n")}
+
+
+def _statements(file: Path) -> list[tuple[str, str]]:
+    """Tests of a file that compare with a source or a closed form: their names and docstrings."""
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    own = [(f.name, ast.get_docstring(f) or "") for f in ast.walk(tree)
+           if isinstance(f, ast.FunctionDef) and f.name.startswith("test_")]  # fmt: skip
+    return [(name, words) for name, words in own if SOURCE.search(words)]
+
+
+def _measured() -> dict[str, str]:
+    """A sentence for each test on the comparison that comes closest to its tolerance."""
+    with MEASURED.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    return {
+        row["test"]: f"Measured: {float(row['difference']):.2g} off {float(row['expected']):.4g}, "
+        f"{float(row['allowed']):.2g} allowed; the closest of {row['comparisons']} comparisons."
+        for row in rows
+    }
 
 
 def _plain(words: str) -> str:

@@ -78,7 +78,7 @@ class Quantity:
     films: tuple["Filmed", ...] = ()  # with a figure of their own
 
     def to_dict(self) -> dict[str, Any]:
-        """The keys of docs/calibration-bench.md."""
+        """The keys of docs/laboratory/bench.md."""
         whole = asdict(self.pooled.all) | {
             "groups": {name: asdict(one) for name, one in self.pooled.groups.items()},
             "groups_alike": self.pooled.alike,
@@ -186,7 +186,7 @@ class Measurement:
     brief: bool = False
 
     def to_dict(self) -> dict[str, Any]:
-        """The keys of docs/calibration-bench.md, of all quantities."""
+        """The keys of docs/laboratory/bench.md, of all quantities."""
         return {key: value for one in self.quantities for key, value in one.to_dict().items()}
 
     def text(self) -> str:

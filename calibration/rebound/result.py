@@ -46,7 +46,7 @@ class Rebound:
     path: Path = Path("film")
 
     def to_dict(self) -> dict[str, Any]:
-        """Keys of docs/calibration-rebound.md; None where a value does not exist."""
+        """Keys of docs/laboratory/rebound.md; None where a value does not exist."""
         return {
             "restitution": {
                 "value": self.pooled.value, "sigma": self.pooled.sigma, "p": self.p,

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 NAMES = (SOLID, FLUIDISED, BOUNCING)
-# Of the phases in docs/phases.md those that signals tell apart; all others are fluidised somehow.
+# Of the phases in docs/damper/phases.md those that signals tell apart; the others are fluidised.
 _COUNTED = {"solid_like": SOLID, "bouncing_bed": BOUNCING}
 _COLOURS = {SOLID: GREY, FLUIDISED: BLUE, BOUNCING: VERMILION}
 _MARKS = {SOLID: "s", FLUIDISED: "o", BOUNCING: "*"}

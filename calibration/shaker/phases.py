@@ -28,10 +28,10 @@ SOLID, BOUNCING, FLUIDISED = "solid-like", "bouncing bed", "fluidised"
 # enclosure as fast as that itself moves the centre of mass with a tenth of the velocity.
 RIDES = 0.1**2
 # An end is struck by the bed where it reverses a quarter of the ideal collision's 2 M V (eq. 6.10),
-# as for a bed that arrives at rest and leaves with V/2: docs/phases.md has the same.
+# as for a bed that arrives at rest and leaves with V/2: docs/damper/phases.md has the same.
 STRUCK = 0.25
 # The bed moves as one where its mean motion has most of the energy of riding along. That of its
-# particles about it, which docs/phases.md compares with, shows in no force.
+# particles about it, which docs/damper/phases.md compares with, shows in no force.
 AS_ONE = 0.5
 _PARTS = 100  # of a cycle: impacts take a few hundredths
 

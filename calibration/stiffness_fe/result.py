@@ -42,7 +42,7 @@ class Stiffness:
         return through(lambda ratio, normal: ratio * normal, contact.ratio.whole, self.kn)
 
     def to_dict(self) -> dict[str, Any]:
-        """The keys of docs/calibration-stiffness-fe.md, SI."""
+        """The keys of docs/laboratory/stiffness-fe.md, SI."""
         found, stress = self.found, None
         if found.stress is not None:
             stress = _quantity(found.stress)

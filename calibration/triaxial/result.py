@@ -63,7 +63,7 @@ class Triaxial:
         return Estimate(self.peak * one.value, self.peak * (one.sigma or 0.0), one.trials)
 
     def to_dict(self) -> dict[str, Any]:
-        """Keys of docs/calibration-triaxial.md; None where a value does not exist."""
+        """Keys of docs/laboratory/triaxial.md; None where a value does not exist."""
         known = self.values
         return {
             "kn_n_per_m": as_pair(known["kn"]),

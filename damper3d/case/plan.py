@@ -12,7 +12,7 @@ from damper3d.engine.records import CLASSES
 from granulab.campaign.output import room
 
 # On one core of a server of 2020, of a particle and step [s] (benchmarks/damper.py and clusters.py;
-# the runs that those of several spheres were fitted to stand in docs/damper-shapes.md).
+# the runs that those of several spheres were fitted to stand in docs/damper/shapes.md).
 _OF_A_SPHERE = 4e-8
 _OF_A_PARTICLE, _OF_A_SUB_SPHERE = 1.2e-7, 3.6e-9
 _GROWING = 3000  # steps of a random start

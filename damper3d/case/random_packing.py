@@ -1,6 +1,6 @@
 """Known random packings of shapes: the shipped table, interpolated in the ratio.
 
-The table is that of `damper3d reproduce packing` (docs/damper-packing.md): "spheroid" goes by
+The table is that of `damper3d reproduce packing` (docs/damper/packing.md): "spheroid" goes by
 aspect ratio from oblate to prolate, "toroid" by hole ratio.
 """
 

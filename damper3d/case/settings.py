@@ -212,7 +212,7 @@ class Particles(Section):
     )  # fmt: skip
     size_distribution: Distribution | None = key(
         None, "distribution of the diameters, by number, about that of the shape (of the sphere "
-        "of its volume); sieve: of spheres, by a table; see docs/damper-beds.md", example="normal",
+        "of its volume); sieve: of spheres, by a table; see docs/damper/beds.md", example="normal",
         left_out="all are alike",
     )  # fmt: skip
     size_deviation: Size | None = key(
@@ -225,7 +225,7 @@ class Particles(Section):
     )  # fmt: skip
     kind: list[Kind] | None = key(
         None, "kinds of particles of a mixture, each with shape, its size, material, and count or "
-        "mass_fraction; also written as [[particles.kind]] tables; see docs/damper-beds.md",
+        "mass_fraction; also written as [[particles.kind]] tables; see docs/damper/beds.md",
         example=[{"shape": "sphere:5mm", "mass_fraction": 0.7},
                  {"shape": "sphere:3mm", "mass_fraction": 0.3}],
         left_out="one, of the shape above",
@@ -362,7 +362,7 @@ class Excitation(Section):
     """
 
     kind: Literal["sines", "rotation", "sweep", "random", "shock", "signal"] | None = key(
-        None, "kind of excitation; see docs/damper-excitation.md", example="random",
+        None, "kind of excitation; see docs/damper/excitation.md", example="random",
         left_out=_NO_EXCITATION,
     )  # fmt: skip
     on: Literal["enclosure", "force", "base"] | None = key(

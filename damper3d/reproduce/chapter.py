@@ -51,7 +51,7 @@ COLUMNS = (*PANEL_COLUMNS, WALL_WORK, STEADY)
 
 _STANDARD = 5  # mm, that the others are compared with
 _CRITERION = """\
-fluidisation, bouncing bed: of the peaks of each ridge that can be seen (docs/damper-map.md), the
+fluidisation, bouncing bed: of the peaks of each ridge that can be seen (docs/damper/map.md), the
 geometric mean of Gamma and the exponent of f, and the range of eta. against 5 mm: over the points
 that both have, correlation of eta and root-mean-square difference."""
 

@@ -43,7 +43,7 @@ COLUMNS = (*PANEL_COLUMNS, WALL_WORK, "phase", STEADY)
 _CRITERION = """\
 A ridge has the highest peak of eta along Gamma within a factor of two of Gamma 3 (fluidisation) or
 of eq. 6.11 for the close packing (bouncing bed), whichever is nearer; a peak stands out of the
-noise by its prominence (docs/damper-map.md). In brackets the Gammas that it lies between. The last
+noise by its prominence (docs/damper/map.md). In brackets the Gammas that it lies between. The last
 columns have the work of the walls at the best eta, where the rest of what is dissipated the bed
 gives itself, which packs down while it is shaken; and the same of a bed shaken on until its cycles
 are alike. Counts: dissipated in five cycles (the thesis's), which is that of the table and of the

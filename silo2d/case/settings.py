@@ -186,7 +186,7 @@ _DRAWN = 'true: by the measured standard deviation; a number or "10 %": by this 
 
 
 class Disorder(Section):
-    """Contact parameters drawn from pair to pair, by the seed of the run (docs/disorder.md)."""
+    """Contact parameters drawn pair by pair, by the run's seed (docs/validation/disorder.md)."""
 
     per: Literal["none", "particle", "pair"] = key(
         "none", "parameters drawn for each particle, for each pair, or not at all",
@@ -254,7 +254,7 @@ class Run(Section):
 
 
 class Flow(Section):
-    """Gate, feeder, refilling and vibration after the opening (docs/silo-beds.md)."""
+    """Gate, feeder, refilling and vibration after the opening (docs/silo/beds.md)."""
 
     gate_times: Annotated[list[str], AfterValidator(_times)] | None = key(
         None, "times at which the gate closes, opens, closes ... again", example=["0.3 s", "0.5 s"],
@@ -284,7 +284,7 @@ class Flow(Section):
 
 
 class Pymunk(Section):
-    """The impulse engine, where it is the engine (docs/pymunk.md)."""
+    """The impulse engine, where it is the engine (docs/verification/pymunk.md)."""
 
     iterations: Annotated[int, Field(ge=1, le=10_000)] = key(
         30, "iterations over all contacts, a step of pymunk", option="--iterations"

@@ -1,6 +1,6 @@
 """Causes of clogging at 100 mm: what the source leaves open, varied one at a time.
 
-Ours clog more often there than the experiment, and D3 takes longer (docs/reproduction.md). Each
+Ours clog more often there than the experiment, and D3 takes longer (docs/validation/silos.md). Each
 variant changes one setting within what the source leaves open (Alonso-Marroquin et al., Granular
 Matter 15 (2013) 811), or beyond it where the question is whether it does anything; all have the
 same seeds. They are many: intervals, and tests against the first, are of a confidence of

@@ -201,7 +201,7 @@ def test_shipped_claims_are_whole(table):
 
 
 def test_few_claims_fit_no_rule():
-    """docs/claims.md lists them."""
+    """docs/reference/claims.md lists them."""
     functions = {
         one.function for table in REGISTRIES for claim in claims_of(table) for one in claim.criteria
     } - {""}

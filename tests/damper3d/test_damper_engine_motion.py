@@ -22,7 +22,7 @@ MASS = DENSITY * 4 / 3 * math.pi * LARGEST**3
 @pytest.mark.parametrize("tangential", ["displacement", "force"])
 def test_a_sphere_that_slides_ends_rolling(tangential):
     """Without spin on the floor at u0: until t_s = 2 u0/(7 mu g) it slides, then it rolls at
-    5 u0/7 (verification.md). The arm is the radius less the overlap, 1e-5 of it; the tangential
+    5 u0/7 (closed form). The arm is the radius less the overlap, 1e-5 of it; the tangential
     spring rings for some periods of 0.1 ms at the end, by less than a thousandth."""
     u0, mu = 0.1, 0.3
     law = acrylic(mu, tangential=tangential)
@@ -44,7 +44,7 @@ def test_a_sphere_that_slides_ends_rolling(tangential):
 
 @pytest.mark.parametrize(("mu", "rolls"), [(0.3, True), (0.1, False)])
 def test_a_sphere_on_an_incline(mu, rolls):
-    """(5/7) g sin where mu > (2/7) tan, else g (sin - mu cos) (verification.md), here at 30
+    """(5/7) g sin where mu > (2/7) tan, else g (sin - mu cos) (closed form), here at 30
     degrees. It starts with the spring relaxed: the speed swings about the closed form by the way
     that the spring takes up, 1e-3 of the speed after 10 ms."""
     angle = math.radians(30.0)
@@ -59,7 +59,7 @@ def test_a_sphere_on_an_incline(mu, rolls):
 
 
 def test_a_bouncing_sphere_of_period_one():
-    """A lone sphere with e = 0.5 at Gamma 1.3 (stable from 1.05 to 1.53, verification.md), started
+    """A lone sphere with e = 0.5 at Gamma 1.3 (closed form: stable from 1.05 to 1.53), started
     on its orbit, takes m g^2 T^2 (1 - e)/(2 (1 + e)) a cycle from the floor. An impact at
     0.4 m/s takes 40 us, 1e-3 of the period, in which floor and gravity act on: so much is open."""
     e, gamma, frequency = 0.5, 1.3, 25.0
@@ -88,7 +88,7 @@ def test_a_bouncing_sphere_of_period_one():
 
 @pytest.mark.parametrize("restitution", [1.0, 0.7])
 def test_stacked_spheres_squeezed_between_walls(restitution):
-    """As MFiX DEM03 (verification.md), with Hertz: two spheres that are always squeezed between
+    """As MFiX DEM03, with Hertz: two spheres that are always squeezed between
     floor and lid follow their two coupled equations, eqs 5.32 and 5.6 written once more.
 
     The leapfrog's phase error is (2 pi dt/T)^2/24 of the phase; in ten periods of some 300 steps

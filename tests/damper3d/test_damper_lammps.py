@@ -1,4 +1,4 @@
-"""Another engine's results for impacts and shaken beds (docs/lammps-damper.md says what differs).
+"""Another engine's impacts and shaken beds (docs/verification/lammps-damper.md: what differs).
 
 Two parts of the law differ and are left out where digits are compared: LAMMPS's friction is
 limited by the size of a pulling normal force, and a sliding spring there holds what the dashpot

@@ -284,7 +284,7 @@ def test_the_books_of_a_bed_close_with_every_option(law):
 
 def test_a_lossy_contact_swings_out_as_its_loss_factor_says():
     """Under a load, eta = 0.2: the decrement of a free swing is that of the damping ratio
-    sqrt(5/6) eta/2, of Tsuji's dashpot at the tangent stiffness 1.5 kn (docs/damper-beds.md)."""
+    sqrt(5/6) eta/2, of Tsuji's dashpot at the tangent stiffness 1.5 kn (docs/damper/beds.md)."""
     eta, load = 0.2, 2000.0
     law = acrylic(0.0, restitution_of_loss(eta))
     height = at_rest(law, load * 9.81)

@@ -150,7 +150,7 @@ def test_an_elastic_impact_of_a_tilted_spheroid_without_friction(sphere_number):
 
 def test_a_spheroid_that_slides_across_its_axis_ends_rolling():
     """About its axis it has the sphere's moment, 2/5 m b^2: from u0 it slides until
-    2 u0/(7 mu g), and then rolls at 5 u0/7 (verification.md), lying on its middle sphere. The
+    2 u0/(7 mu g), and then rolls at 5 u0/7 (closed form), lying on its middle sphere. The
     deepest contact alone: of several in a row each has a spring of its own."""
     cluster, mu, u0 = particle("prolate:1.5", 3.8e-3), 0.3, 0.1
     law, b = acrylic(mu), particle("prolate:1.5", 3.8e-3).radii.max()

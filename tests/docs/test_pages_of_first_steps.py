@@ -1,13 +1,14 @@
-"""The pages for the first ten minutes: their commands, run in their order, print what stands there.
+"""Pages for the first ten minutes, and the first change: their commands print what stands there.
 
-A block that follows "Write `NAME`:" is that file. In a console block a line behind "$" is a command
+A block that follows "Write `NAME`:" is that file, a diff is applied. Behind "$" stands a command
 and the others are lines that it prints, in their order; "..." stands for what is left out. Words
 must be the same. Numbers of runs may be 10 % apart: other processors round differently, so that a
-packing is another draw of its kind (docs/campaign.md); printed in the same form they are compared
-one by one.
+packing is another draw of its kind (docs/runs/folders.md); printed in the same form they are
+compared one by one.
 """
 
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -19,7 +20,7 @@ from granulab.contact.files.datafile import data_root
 pytestmark = pytest.mark.docs
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGES = sorted(path.name for path in DOCS.glob("start-*.md"))
+PAGES = ["start/silo.md", "start/damper.md", "start/laboratory.md"]
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 CLOSE = 0.1
 
@@ -29,8 +30,11 @@ def steps(text):
     found = []
     for before, kind, body in re.findall(r"([^\n]*)\n+```(\w+)\n(.*?)```", text, re.S):
         named = re.search(r"Write `([^`]+)`:$", before)
-        if named and kind in ("toml", "text"):
+        if named:
             found.append(("file", named.group(1), body))
+        elif kind == "diff":
+            found.append(("file", "change.diff", body))
+            found.append(("command", "git apply change.diff", []))
         elif kind == "console":
             for part in re.split(r"^\$ ", body, flags=re.M)[1:]:
                 command, _, printed = part.partition("\n")
@@ -65,6 +69,26 @@ def lacking(shown, output):
 
 @pytest.mark.parametrize("page", PAGES)
 def test_commands_of_a_page_print_what_stands_there(page, tmp_path):
+    go_through(page, tmp_path)
+
+
+def test_first_change_goes_as_it_stands(tmp_path):
+    """In a copy of the tracked files, whose packages come first on the path."""
+    names = subprocess.run(
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+        cwd=DOCS.parent, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    if names.returncode:
+        pytest.skip("not a git checkout")
+    for name in filter(None, names.stdout.split("\0")):
+        if (DOCS.parent / name).is_file():
+            (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(DOCS.parent / name, tmp_path / name)
+    go_through("reference/first-change.md", tmp_path, PYTHONPATH=str(tmp_path))
+
+
+def go_through(page, tmp_path, **environment):
+    """Write the files of a page and run its commands in a folder; each prints its lines."""
     binaries = Path(sys.executable).parent
     done = steps((DOCS / page).read_text(encoding="utf-8"))
     assert any(kind == "command" for kind, _, _ in done)
@@ -75,7 +99,7 @@ def test_commands_of_a_page_print_what_stands_there(page, tmp_path):
         command = what.replace("DATA/", f"{data_root()}/")
         ended = subprocess.run(
             command, shell=True, cwd=tmp_path, capture_output=True, text=True, check=False,
-            env={"PATH": f"{binaries}:/usr/bin:/bin", "HOME": str(Path.home())},
+            env={"PATH": f"{binaries}:/usr/bin:/bin", "HOME": str(Path.home()), **environment},
         )  # fmt: skip
         refused = bool(content) and content[0].startswith(f"{what.split()[0]}: ")
         assert (ended.returncode == 2) is refused, f"{what}\n{ended.stdout}{ended.stderr}"

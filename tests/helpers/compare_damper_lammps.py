@@ -1,4 +1,4 @@
-"""Prints the tables of docs/lammps-damper.md: `python tests/helpers/compare_damper_lammps.py`."""
+"""Print the tables of docs/verification/lammps-damper.md; there are no arguments."""
 
 import numpy as np
 from damper_scenes import acrylic, bed_of, cycles_of, onto_wall, shaken, simulation, two_spheres

@@ -1,4 +1,4 @@
-"""The same scenes in LAMMPS and here: `compare_lammps.py` prints docs/lammps.md's."""
+"""The same scenes in LAMMPS and here: `compare_lammps.py` prints docs/verification/lammps.md's."""
 
 import numpy as np
 from against_lammps import Motion, Scene, disc, here, there

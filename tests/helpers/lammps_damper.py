@@ -1,7 +1,7 @@
 """A shaken enclosure of spheres in LAMMPS, with the constants of granulab/contact/hertz.py.
 
 LAMMPS (Thompson et al. 2022, Comput. Phys. Commun. 271, 108171), pair granular and
-fix wall/gran/region. What is matched and what is not stands in docs/lammps-damper.md.
+fix wall/gran/region. What is matched and what is not stands in docs/verification/lammps-damper.md.
 """
 
 import math

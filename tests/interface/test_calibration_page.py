@@ -17,8 +17,8 @@ from small_silo import silo2d
 from granulab.contact.files.datafile import data_file
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "calibration.md").read_text()
-OWN = (ROOT / "docs" / "own-case.md").read_text()
+PAGE = (ROOT / "docs/laboratory/overview.md").read_text()
+OWN = (ROOT / "docs/start/own-case.md").read_text()
 COMMANDS = {"calibrate": calibrate, "silo2d": silo2d, "damper3d": damper3d}
 _COMMAND = r"^    ((?:calibrate|silo2d|damper3d) (?:.*\\\n)*.*)$"
 _FILE = r"`([\w.]+)`:\n\n```\w+\n(.*?)```"

@@ -1,4 +1,4 @@
-"""Another engine's results for the same scenes: LAMMPS (docs/lammps.md: what it cannot express).
+"""The same scenes in LAMMPS (docs/verification/lammps.md: what it cannot express).
 
 Chaos parts two assemblies whatever the engine, so that they are compared body by body while they
 are together and by what they settle to afterwards.
@@ -106,7 +106,7 @@ def test_impacts_of_squares_at_any_angle():
         energy = kinetic(scene, one)[-1] / (0.5 * scene.mass[0])
         # Leapfrog, 500 steps an impact: off by some (2 pi/1000)^2 where contacts begin and end.
         assert energy == pytest.approx(1, abs=1e-4)
-    # 61 of 100 in docs/lammps.md; fewer than 3 of 12 has a probability below 0.01 % then.
+    # 61 of 100 in docs/verification/lammps.md; below 3 of 12 has a probability of 0.01 % then.
     assert sum(alike) >= 3
 
 
@@ -124,7 +124,7 @@ def test_sixty_discs_settle_to_the_same_heap():
     """Height, time to come to rest and force on the floor, means over two seeds.
 
     The differences of pairs have standard deviations of 0.6 mm, 33 ms and 0.032 (twelve seeds,
-    docs/lammps.md); the tolerances are three standard errors of two.
+    docs/verification/lammps.md); the tolerances are three standard errors of two.
     """
     rows = [settled(LAWS["friction and damping"], seed) for seed in (1, 2)]
     off = {what: np.diff([row[what] for row in rows], axis=1).mean() for what in rows[0]}

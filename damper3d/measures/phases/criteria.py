@@ -1,4 +1,4 @@
-"""The motional phase of a run, named from its measures by stated criteria (docs/phases.md).
+"""The motional phase of a run, named from its measures by stated criteria (docs/damper/phases.md).
 
 The names are the thesis's (sections 2.5, 6.3, 6.4), which gave them by eye. Every threshold
 stands here with its reason; none depends on the run, the frequency or the amplitude.
@@ -147,8 +147,8 @@ def classify(
 ) -> Phase:
     """The phase of a run from its measures (motion_measures.py) and how gravity points.
 
-    by: other rules than those of docs/phases.md, for a study of them. Raises InputError for an
-    orientation that there is not.
+    by: other rules than those of docs/damper/phases.md, for a study of them. Raises InputError for
+    an orientation that there is not.
     """
     if orientation not in by:
         raise InputError(f"orientation {orientation!r}: {nearest(orientation, list(by))}")

@@ -1,7 +1,7 @@
 """Figs 2.12, 6.2 and 6.3: the phases over frequency and Gamma, and what the thesis says of them.
 
 358 spheres of 5 mm at the thesis's points, below Gamma 1, after 50 cycles and without gravity.
-Names are those of docs/phases.md; where the text has two readings, both are judged (readings.py).
+Names are those of docs/damper/phases.md; where the text has two readings, both are judged.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -39,8 +39,8 @@ _SUSPENDED = "low_density", "hot_low", "stroke", "circulation"
 _READING = """\
 maps: points from Gamma 1 to 100. cycles: 8, of which 3 do not count, are the thesis's; of 60, 50 do
 not. optimum: the largest efficiency up to Gamma 6, from 40 Hz on. Readings of the border of partial
-fluidisation: most rest, most particles do not move against their neighbours (docs/phases.md); a
-tenth rests; deep layers carried, most of the deepest fifth move with the enclosure; more return,
+fluidisation (docs/damper/phases.md): most rest, most particles do not move against neighbours;
+a tenth rests; deep layers carried, most of the deepest fifth move with the enclosure; more return,
 of those that move. low_density: solid volume of the lowest diameter over that of the fullest."""
 
 run = run_of_panels(panels)

@@ -218,7 +218,7 @@ def gammas(points: Points) -> list[Row]:
 def alternating(points: Points) -> list[Row]:
     """1 where successive collisions of a coherent bed differ as in the transition, else 0.
 
-    By the criteria of docs/phases.md, in whatever orientation and phase.
+    By the criteria of docs/damper/phases.md, in whatever orientation and phase.
     """
     return [
         one.labels | {"phase": one.name, "value": float(

@@ -1,4 +1,4 @@
-"""Names of the points of the table, by docs/phases.md and by other readings of the thesis's text.
+"""Names of the points of the table, by docs/damper/phases.md and by other readings of the text.
 
 The text has the border between partial fluidisation and fluidisation/convection, in horizontal
 motion, in three ways that are not the same; each is a criterion here, and nothing else differs.
@@ -19,7 +19,7 @@ PARTIAL = "partial_fluidisation"
 OURS = "most rest"
 # By which particles a horizontal bed is partially fluidised: the criterion that bounds it.
 READINGS: dict[str, Criterion] = {
-    # "The type of dynamic motion that appeared to dominate" (sec. 6.3); as docs/phases.md.
+    # "The type of dynamic motion that appeared to dominate" (sec. 6.3); as docs/damper/phases.md.
     OURS: Criterion("agitated_share", MOST, at_least=False),
     # "Fluidisation spreads to the deep layers" when the phase is global (sec. 6.4.3.3).
     "a tenth rests": Criterion("agitated_share", ALL, at_least=False),
@@ -32,7 +32,7 @@ READINGS: dict[str, Criterion] = {
 
 
 def rules_by(reading: str) -> Mapping[str, Rules]:
-    """The rules of docs/phases.md with another border of partial fluidisation."""
+    """The rules of docs/damper/phases.md with another border of partial fluidisation."""
     border = (READINGS[reading],)
     return {
         orientation: [(name, border if name == PARTIAL else rule) for name, rule in rules]
@@ -66,7 +66,7 @@ class Point:
 
     @property
     def name(self) -> str:
-        """Its name by docs/phases.md."""
+        """Its name by docs/damper/phases.md."""
         return self.names[OURS]
 
     @property

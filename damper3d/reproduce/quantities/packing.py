@@ -20,7 +20,7 @@ BODIES = 100  # particles in the cell
 
 _FILL = {"spheroid": 0.4115, "toroid": 0.393, "sphere": 7 / 15}  # of 90 of 3.8 mm and 110 of 3.5 mm
 _HEAD = """\
-# Random packing fractions by shape: means of damper3d reproduce packing (docs/damper-packing.md).
+# Random packing fractions by shape: means of damper3d reproduce packing (docs/damper/packing.md).
 # close: frictionless, jammed in a periodic cell of 100; uncertainty: the standard deviation over
 # packings that all shapes share and the largest change with the number in the cell, in quadrature.
 """

@@ -10,7 +10,7 @@ from damper3d.shapes.surfaces.surface import Surface
 from granulab.errors import InputError
 
 # Of the equal-volume radius: with it an oblate spheroid of 0.7 takes about as many sub-spheres as a
-# prolate one of the thesis (docs/damper-shapes.md).
+# prolate one of the thesis (docs/damper/shapes.md).
 USUAL_TOLERANCE = 0.02
 LEAST_TOLERANCE = 1e-3  # the triangles that stand for curved surfaces are not finer
 

@@ -1,6 +1,6 @@
 """A claim of a source as data: what it says, of which quantity, by which rule it is judged.
 
-The files are data/published/claims/*.toml. docs/claims.md has the keys and the six rules.
+The files are data/published/claims/*.toml. docs/reference/claims.md has the keys and the six rules.
 """
 
 from collections.abc import Mapping, Sequence

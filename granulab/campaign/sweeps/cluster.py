@@ -104,7 +104,7 @@ def _connect(scheduler: str, stack: ExitStack) -> Any:
         if address.scheme == "tcp" and not _is_loopback(address.hostname):
             to_stderr(
                 f"scheduler {scheduler}: whoever reaches it or a worker can run any code there; on "
-                "a trusted network only, or with TLS (docs/sweeps.md)"
+                "a trusted network only, or with TLS (docs/runs/sweeps.md)"
             )
         socket.create_connection((address.hostname, address.port), _PATIENCE).close()
         client = Client(scheduler, timeout=_PATIENCE, set_as_default=False)

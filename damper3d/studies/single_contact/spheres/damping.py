@@ -14,7 +14,7 @@ from granulab.contact.restitution import ContactEnd, ratio_of_restitution, resti
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-TABULATED = (0.2, 0.5, 0.7, 0.86, 0.9)  # restitutions requested, in verification.md
+TABULATED = (0.2, 0.5, 0.7, 0.86, 0.9)  # restitutions requested
 _ENDS: tuple[ContactEnd, ContactEnd] = ("overlap", "force")
 
 

@@ -1,0 +1,51 @@
+"""Commands on any page: each is one that the program takes, with options that it has."""
+
+import importlib
+import re
+import shlex
+from pathlib import Path
+
+import click
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "README.md", *sorted(ROOT.glob("docs/**/*.md"))]
+PROGRAMS = {
+    "silo2d": "silo2d.commands.main",
+    "damper3d": "damper3d.commands.main",
+    "calibrate": "calibration.commands.main",
+    "granulab": "granulab.studio.main",
+}
+# Indented or behind a prompt, and gone on with behind a backslash.
+SHOWN = re.compile(rf"^(?: {{4,}}|\$ )((?:{'|'.join(PROGRAMS)}) (?:.*\\\n)*.*)$", re.MULTILINE)
+
+
+def commands():
+    """The page and words of each command; of one in which something is left out, none."""
+    for page in PAGES:
+        for shown in SHOWN.findall(page.read_text(encoding="utf-8")):
+            one_line = re.sub(r"\s*\\\n\s*", " ", shown)
+            words = shlex.split(re.split(r" {2,}", one_line)[0], comments=True)
+            ends = [k for k, word in enumerate(words) if word in ("|", ">", "&&", ";", "||")]
+            words = words[: ends[0]] if ends else words
+            if not re.search(r"\.\.\.|\[|<", " ".join(words)):
+                yield page.relative_to(ROOT), words
+
+
+@pytest.mark.parametrize(("page", "words"), list(commands()), ids=lambda value: str(value)[:80])
+def test_a_shown_command_is_one_that_there_is(page, words):
+    """A reader's files are not there: click says so of the value, not of the option."""
+    program, *rest = words
+    name, command = program, importlib.import_module(PROGRAMS[program]).app
+    try:
+        while isinstance(command, click.Group) and rest:
+            context = command.make_context(name, [], resilient_parsing=True)
+            name, command, rest = command.resolve_command(context, rest)
+        command.make_context(name, rest)
+    except click.exceptions.Exit:
+        pass  # --help, --version
+    except click.BadParameter as error:
+        if isinstance(error, click.MissingParameter) or "exist" not in error.format_message():
+            raise AssertionError(f"{page}: {shlex.join(words)}: {error.format_message()}") from None
+    except click.UsageError as error:
+        raise AssertionError(f"{page}: {shlex.join(words)}: {error.format_message()}") from None
