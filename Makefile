@@ -14,7 +14,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
 	--constraint $(CONSTRAINTS) --editable
 
 .PHONY: demo test test-oldest test-pythons test-plain browse fuzz fuzz-brief own-silos own-dampers low-drops estimates lint bench docs \
-	validate planted \
+	verified commands pictures validate planted \
 	reproduce clogging wheel clean
 .DELETE_ON_ERROR:
 
@@ -67,6 +67,17 @@ lint: $(VENV)/with-tests ## style, types, import order
 docs: $(VENV)/with-docs ## the documentation as a site, build/docs/index.html; its first commands run (five minutes)
 	$(BIN)/sphinx-build --fail-on-warning --keep-going --quiet -b html docs build/docs
 	$(BIN)/python -m pytest -m docs tests/docs
+
+verified: $(VENV)/with-tests ## the tests, and how far what they compare is apart: pages docs/verification (as long as make test)
+	PYTHONPATH=tests/helpers $(BIN)/python -m pytest -m "not validation and not browser and not docs" $(TESTERS) \
+		-p measured --measured docs/results/verification.csv
+	$(BIN)/python docs/generate.py
+
+commands: $(VENV)/with-tests ## every command of the pages, run once (half an hour): docs/results/commands.csv
+	$(BIN)/python tests/docs/every_command.py --write docs/results/commands.csv
+
+pictures: $(VENV)/with-tests ## the pictures of the pages, each by its commands (docs/pictures/made.toml; ten minutes)
+	$(BIN)/python docs/picture.py
 
 bench: $(VENV)/installed ## cost a step: the silo beside a reference kernel, the damper beside LAMMPS
 	$(BIN)/python benchmarks/cost.py

@@ -7,6 +7,9 @@ docstrings, which are plain text: the first paragraph as a sentence, the rest as
 import importlib
 import re
 
+from docutils import nodes
+from latex2mathml.converter import convert
+
 project = "GranuLab"
 author = "The GranuLab developers"
 copyright = author
@@ -23,8 +26,11 @@ html_theme = "furo"
 html_theme_options = {"source_edit_link": ""}
 html_show_sphinx = False
 html_copy_source = False
+html_static_path = ["static"]
+html_css_files = ["equations.css"]
+html_math_renderer = "mathml"  # in the page itself: no script, no network
 
-myst_enable_extensions = ["colon_fence"]
+myst_enable_extensions = ["colon_fence", "dollarmath"]
 myst_heading_anchors = 4  # the anchors that pages link to, as they are on code hosts
 suppress_warnings = ["myst.header"]  # a page may go from # to ###, as where a table follows
 
@@ -54,6 +60,22 @@ def as_text(_app, _what, _name, _thing, _options, lines: list[str]) -> None:
     lines[:] = found
 
 
+FUNCTION = r"(<mi>(?:ln|sin|cos|tan|cot|arcsin|arccos)</mi>)(?=<m(?:i|n|frac|sub)>)"
+
+
+def equation(writer, node) -> None:
+    """Write an equation as MathML: inline, or as a block that scrolls in its own box."""
+    block = isinstance(node, nodes.math_block)
+    mathml = convert(node.astext(), display="block" if block else "inline")
+    mathml = re.sub(FUNCTION, r'\1<mspace width="0.17em" />', mathml)  # as LaTeX spaces them
+    if block:
+        name = f' id="{node["ids"][0]}"' if node["ids"] else ""
+        mathml = f'<div class="equation"{name} tabindex="0">{mathml}</div>\n'
+    writer.body.append(mathml)
+    raise nodes.SkipNode
+
+
 def setup(app) -> None:
-    """Hook the docstrings in."""
+    """Hook docstrings and equations in."""
     app.connect("autodoc-process-docstring", as_text)
+    app.add_html_math_renderer("mathml", (equation, None), (equation, None))

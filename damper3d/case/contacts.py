@@ -157,7 +157,7 @@ def restitution_of_loss(loss_factor: float) -> float:
     A viscous damper loses as much in a cycle at resonance as a material of the loss factor 2 zeta
     (Nashif, Jones and Henderson, Vibration Damping, 1985, sec. 2.3). Tsuji's dashpot makes of a
     Hertz contact a linear one of the damping ratio b (granulab.contact.restitution): b = zeta, and
-    e = exp(-pi zeta/sqrt(1 - zeta^2)), eq. 5.31 of the thesis.
+    e = exp(-pi zeta/sqrt(1 - zeta^2)), eq. 5.29 of the thesis solved for e.
 
     Raises InputError at 2 and above, where nothing rebounds.
     """

@@ -1,4 +1,4 @@
-"""Commands on any page: each is one that the program takes, with options that it has."""
+"""Commands on any page, and of its pictures: each is one that the program takes."""
 
 import importlib
 import re
@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 import pytest
+from picture import PICTURES, recipes
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted(ROOT.glob("docs/**/*.md"))]
@@ -30,6 +31,18 @@ def commands():
             words = words[: ends[0]] if ends else words
             if not re.search(r"\.\.\.|\[|<", " ".join(words)):
                 yield page.relative_to(ROOT), words
+    for name, recipe in recipes().items():
+        for command in recipe.get("run", ()):
+            if command.split()[0] in PROGRAMS:
+                yield name, shlex.split(command)
+
+
+def test_every_picture_has_its_recipe_and_a_page_that_shows_it():
+    there = {path.stem for path in PICTURES.iterdir() if path.suffix in (".png", ".svg")}
+    assert recipes().keys() == there
+    assert all(("run" in recipe) != ("shown" in recipe) for recipe in recipes().values())
+    text = "".join(page.read_text(encoding="utf-8") for page in PAGES)
+    assert [name for name in there if f"pictures/{name}." not in text] == []
 
 
 @pytest.mark.parametrize(("page", "words"), list(commands()), ids=lambda value: str(value)[:80])

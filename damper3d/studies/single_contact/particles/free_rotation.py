@@ -82,7 +82,8 @@ def compute() -> Found:
         numbers[text] = {"largest_error_of_axis": precession_error(text, STEPS[0])}
     rows = _curve(body)
     remark = (
-        "errors over the largest spin, after 0.05 s; of a spheroid's axis (length 1), at 0.4 ms"
+        "errors over the largest angular velocity, after 0.05 s; of a spheroid's axis (length 1), "
+        "at 0.4 ms"
     )
     return Found(numbers, rows, (remark,))
 
@@ -168,11 +169,11 @@ def draw(found: Found) -> "Figure":
                    mfc="none", color=colour)  # fmt: skip
     curve.plot([], [], "o", ms=4, mfc="none", color=GREY, label="the engine")
     curve.plot([], [], color=GREY, label="Jacobi's elliptic functions")
-    curve.set(xlabel="time [ms]", ylabel="spin in the body's axes [rad/s]")
+    curve.set(xlabel="time [ms]", ylabel="angular velocity in the body's axes [rad/s]")
     curve.legend(ncols=2, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, 1.16))
     mine = found.numbers["triaxial"]
     steps = 1e6 * np.array(mine["time_steps_s"])
-    for key, colour, label in (("errors_of_spin", BLUE, "spin, over the largest"),
+    for key, colour, label in (("errors_of_spin", BLUE, "angular velocity, over the largest"),
                                ("energy_changes", VERMILION, "energy, over its own")):  # fmt: skip
         errors.loglog(steps, mine[key], "o-", color=colour, label=label)
     errors.loglog(steps, mine["errors_of_spin"][0] * (steps / steps[0]) ** 2, "--", color=GREY,

@@ -1,0 +1,116 @@
+"""Every command of the pages run once: what it ends with, and for how long it computes.
+
+    python tests/docs/every_command.py [--only WORD] [--write docs/results/commands.csv]
+
+The commands of a page run in their order in a folder of their own, which begins with one run of a
+silo and one of a damper (for RUN), and links to data and docs; files that the page says to write
+are there. `end` is: done; refused (one line and exit code 2: mostly for a reader's own file);
+longer than LIMIT of CPU time; or failed, with the exit code, which makes that of this script 1.
+"""
+
+import argparse
+import csv
+import os
+import re
+import resource
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+sys.path[:0] = [str(ROOT / "docs"), str(ROOT / "tests" / "docs")]
+from test_commands_of_pages import PAGES, commands  # noqa: E402
+
+COLUMNS = ("page", "command", "end", "cpu_s")
+LIMIT = 60  # [s] of CPU time
+FIRST = ("silo2d run A2 --no-figures", "damper3d run --cycles 5 --discard 2 --no-figures")
+FILE = re.compile(r"Write `([^`]+)`:\n+```\w*\n(.*?)```|`([\w.]+)`:\n\n```\w+\n(.*?)```", re.DOTALL)
+
+
+def run(words: list[str], folder: Path) -> tuple[str, float]:
+    """How a command ends, and its CPU time [s]."""
+
+    def bounded() -> None:
+        resource.setrlimit(resource.RLIMIT_CPU, (LIMIT, LIMIT + 5))
+
+    before = os.times()
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "BROWSER": "true",
+                   "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}  # fmt: skip
+    try:
+        ended = subprocess.run(
+            words, cwd=folder, env=environment, preexec_fn=bounded, capture_output=True, text=True,
+            timeout=4 * LIMIT, stdin=subprocess.DEVNULL, check=False,
+        )  # fmt: skip
+    except subprocess.TimeoutExpired:
+        return "longer", float(LIMIT)
+    after = os.times()
+    used = (after.children_user + after.children_system
+            - before.children_user - before.children_system)  # fmt: skip
+    if ended.returncode == 0:
+        return "done", used
+    if ended.returncode in (-24, -9, 152, 137) or used > LIMIT:
+        return "longer", used
+    lines = ended.stderr.strip().splitlines()
+    if ended.returncode == 2 and "Traceback" not in ended.stderr and lines:
+        return f"refused: {lines[-1]}", used
+    return f"failed: exit code {ended.returncode}", used
+
+
+def of_page(page: str, own: list[list[str]], begun: Path, folder: Path) -> list[dict]:
+    """A row for each command of a page, run in a copy of the folder that was begun."""
+    shutil.copytree(begun, folder, symlinks=True)
+    if (ROOT / page).is_file():
+        for found in FILE.findall((ROOT / page).read_text(encoding="utf-8")):
+            name, text = (found[0], found[1]) if found[0] else (found[2], found[3])
+            if "/" not in name:
+                (folder / name).write_text(text, encoding="utf-8")
+    rows = []
+    for words in own:
+        kind = "A2" if words[0] == "silo2d" else "thesis"
+        latest = next(iter(folder.glob(f"runs/{kind}*")), "RUN")
+        end, used = run([str(latest) if word == "RUN" else word for word in words], folder)
+        command = shlex.join(words)
+        rows.append({"page": page, "command": command, "end": end, "cpu_s": f"{used:.0f}"})
+        print(f"{page}: {command}: {end}, {used:.1f} s", flush=True)
+    return rows
+
+
+def main() -> int:
+    """Run them all, or those of the pages whose name holds a word."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--only", default="")
+    parser.add_argument("--write", type=Path)
+    options = parser.parse_args()
+    pages: dict[str, list[list[str]]] = {}
+    for page, words in commands():
+        if (ROOT / page).is_file() and options.only in str(page):
+            pages.setdefault(str(page), []).append(words)
+    rows, began = [], time.monotonic()
+    with tempfile.TemporaryDirectory() as name:
+        begun = Path(name) / "begun"
+        begun.mkdir()
+        for link in ("data", "docs"):
+            (begun / link).symlink_to(ROOT / link)
+        for command in FIRST:
+            subprocess.run(
+                [Path(sys.executable).parent / command.split()[0], *command.split()[1:]],
+                cwd=begun, check=True, capture_output=True,
+            )  # fmt: skip
+        for k, (page, own) in enumerate(pages.items()):
+            rows += of_page(page, own, begun, Path(name) / str(k))
+            shutil.rmtree(Path(name) / str(k))
+    if options.write:
+        with options.write.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
+    print(f"{len(rows)} commands of {len(PAGES)} pages, {time.monotonic() - began:.0f} s")
+    return int(any(row["end"].startswith("failed") for row in rows))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
