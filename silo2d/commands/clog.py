@@ -23,7 +23,7 @@ from silo2d.commands.options import case_command, changes_of, mu_option
 
 if TYPE_CHECKING:
     from granulab.campaign.sweeps.sweep import Labelled
-    from silo2d.avalanches.case import AvalancheCase
+    from silo2d.avalanches.case import AvalancheCase, Protocol
 
 _SAID = {
     "silo.outlet": "--outlets says this",
@@ -31,7 +31,9 @@ _SAID = {
     "run.engine": "avalanches need the contacts of dem",
 }
 # Options with a value, and those without one, that decide nothing of the results.
-_BESIDES, _FLAGS = ("-o", "--out", "--write", "--workers"), ("--quiet", "--json", "--no-figures")
+_BESIDES = ("-o", "--out", "--write", "--workers")
+_FLAGS = ("--quiet", "--json", "--no-figures", "--add", "--dry-run")
+_RUNS = ("--outlets", "--seeds")  # options that say which runs, and nothing of each
 
 
 @case_command(without=_SAID)
@@ -51,6 +53,7 @@ _BESIDES, _FLAGS = ("-o", "--out", "--write", "--workers"), ("--quiet", "--json"
 @click.option(
     "--write", metavar="DIR", help="Where csv, txt and png go [default: DIR/clog of --out]."
 )
+@click.option("--add", is_flag=True, help="Keep rows that csv has, and run what it lacks.")
 @workers_option
 @dry_run_option
 @no_figures_option
@@ -59,7 +62,7 @@ _BESIDES, _FLAGS = ("-o", "--out", "--write", "--workers"), ("--quiet", "--json"
 def clog(
     case: str, outlets: str, avalanches: int | None, seeds: int | None, largest: int | None,
     breaking: str | None, drop: str | None, mu: str | None, out: str, write: str | None,
-    workers: int | None, dry_run: bool, no_figures: bool, quiet: bool, as_json: bool,
+    add: bool, workers: int | None, dry_run: bool, no_figures: bool, quiet: bool, as_json: bool,
     **options: Any,
 ) -> None:  # fmt: skip
     """Let a silo clog again and again, and give its avalanches as statistics.
@@ -70,6 +73,7 @@ def clog(
     For example: silo2d clog A3 --outlets "45 mm,50 mm,55 mm,60 mm,70 mm" --seeds 4
     """
     from granulab.campaign.output.files import refuse_unless_writable
+    from granulab.campaign.sweeps.sweep import lacking
     from granulab.contact.files.units import to_si
     from silo2d.avalanches.case import Protocol
     from silo2d.avalanches.sweep import cases_of, run_cases
@@ -82,16 +86,37 @@ def clog(
     cases = cases_of(
         case, _lengths(outlets), range(1, (seeds or 1) + 1), protocol, changes_of(mu, options)
     )
-    if dry_run:
-        click.echo(_planned(cases, as_json))
-        return
     place = Path(write or Path(out) / "clog")
+    known, kept = _known(place / f"{_name(cases[0][1])}.csv") if add else ([], [])
+    wanted = lacking(cases, known)
+    if dry_run:
+        click.echo(_planned(wanted, protocol, as_json))
+        return
     refuse_unless_writable(Path(out), "--out")
     refuse_unless_writable(place, "--write")
     if not quiet:
-        click.echo(_cost(cases), err=True)
-    rows = run_cases(cases, out=Path(out), workers=workers, quiet=quiet)
-    _show(cases[0][1], rows, place, no_figures, as_json)
+        click.echo(_cost(wanted), err=True)
+    rows = run_cases(wanted, out=Path(out), workers=workers, quiet=quiet) + known
+    rows.sort(key=lambda row: (row["outlet_mm"], row["seed"]))
+    _show(cases[0][1], rows, place, kept, no_figures, as_json)
+
+
+def _name(case: "AvalancheCase") -> str:
+    """Name of the files of a silo and its particles."""
+    return f"clog-{case.silo.name}-{case.silo.shapes.name}"
+
+
+def _known(file: Path) -> tuple[list[dict[str, Any]], list[str]]:
+    """Rows of the file that is there, and where they are from; InputError: of other options."""
+    from granulab.campaign.cli.reproduce import rows_there
+    from granulab.errors import InputError
+    from silo2d.avalanches.sweep import AVALANCHES
+
+    made, rows, kept = rows_there(file, AVALANCHES)
+    theirs, ours = (sorted(_without(shlex.split(text), _RUNS)) for text in (made, _command()))
+    if rows and theirs != ours:
+        raise InputError(f"--add: {file} was made by {made!r}; give the same options, or --write")
+    return rows, kept
 
 
 def _lengths(text: str) -> list[float]:
@@ -114,7 +139,7 @@ def _cost(cases: "Sequence[Labelled]") -> str:
     return cost(AVALANCHES, cases)
 
 
-def _planned(cases: "Sequence[Labelled]", as_json: bool) -> str:
+def _planned(cases: "Sequence[Labelled]", protocol: "Protocol", as_json: bool) -> str:
     """Table of what would be run, with its expected cost by outlet."""
     from granulab.campaign.output.layout import columns
     from silo2d.avalanches.case import expected_avalanche, expected_cpu_s
@@ -131,12 +156,10 @@ def _planned(cases: "Sequence[Labelled]", as_json: bool) -> str:
         one["avalanches"] += case.protocol.avalanches
         one["expected_min"] += sum(expected_cpu_s(case)) / 60
     found = list(lines.values())
-    protocol = dataclasses.asdict(cases[0][1].protocol)
     minutes = sum(one["expected_min"] for one in found)
     if as_json:
-        return json.dumps(
-            {"protocol": protocol, "outlets": found, "expected_min": minutes}, indent=2
-        )
+        said = {"protocol": dataclasses.asdict(protocol), "outlets": found}
+        return json.dumps({**said, "expected_min": minutes}, indent=2)
     table = columns(
         ["outlet", "D/d", "runs", "avalanches", "of about", "CPU time"],
         [
@@ -154,8 +177,9 @@ def _planned(cases: "Sequence[Labelled]", as_json: bool) -> str:
 
 
 def _show(
-    case: "AvalancheCase", rows: list[dict[str, Any]], place: Path, no_figures: bool, as_json: bool
-) -> None:
+    case: "AvalancheCase", rows: list[dict[str, Any]], place: Path, kept: list[str],
+    no_figures: bool, as_json: bool,
+) -> None:  # fmt: skip
     """Print and keep the statistics of runs; Ended where some lack."""
     from granulab.campaign.cli.many import stop_unless_whole
     from granulab.campaign.output.layout import not_done, on_screen, stopped
@@ -174,7 +198,7 @@ def _show(
         "protocol": dataclasses.asdict(case.protocol),
         "rest_time_s": silo.settings.run.rest_time,
         **study(rows, silo.settings.run.rest_time),
-        "runs": [row["run_folder"] for row in rows],
+        "runs": [row["run_folder"] for row in rows if row.get("run_folder")],
     }
     title = f"Clogging of {found['silo']}, {found['shapes']}"
     text = "\n\n".join(
@@ -182,7 +206,7 @@ def _show(
     )
     click.echo(json.dumps(found, indent=2) if as_json else on_screen(f"{title}\n\n{text}"))
     files = write_results(
-        place, f"clog-{silo.name}-{silo.shapes.name}", rows, origin(_command(), AVALANCHES), text,
+        place, _name(case), rows, origin(_command(), AVALANCHES) + kept, text,
         None if no_figures else lambda: draw(found, rows, title),
     )  # fmt: skip
     click.echo("\n".join(map(str, files)), err=True)
@@ -191,10 +215,16 @@ def _show(
 
 def _command() -> str:
     """The command, without what decides nothing of its results."""
-    words, kept = iter(sys.argv[1:]), []
-    for word in words:
-        if word in _BESIDES:
-            next(words, None)
-        elif word not in _FLAGS and word.partition("=")[0] not in _BESIDES:
-            kept.append(word)
+    kept = [word for word in _without(sys.argv[1:], _BESIDES) if word not in _FLAGS]
     return shlex.join(["silo2d", *kept])
+
+
+def _without(words: "Sequence[str]", options: tuple[str, ...]) -> list[str]:
+    """Words of a command without some options and their values."""
+    rest, kept = iter(words), []
+    for word in rest:
+        if word in options:
+            next(rest, None)
+        elif word.partition("=")[0] not in options:
+            kept.append(word)
+    return kept

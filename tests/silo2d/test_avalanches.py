@@ -12,6 +12,7 @@ from hand_built import GRAVITY, STICKY, simulation_in
 from refusals import assert_refused
 from small_silo import DischargeStop, silo2d, the_run, write_case
 
+from granulab.campaign.output.results import read_results
 from granulab.campaign.runs.stages import Stages
 from granulab.errors import Stopped
 from silo2d.avalanches import flow, protocol
@@ -233,6 +234,23 @@ def test_clog_gives_outlets_and_their_avalanches(whole):
     assert shown.code == 0, shown.err
     assert f"{AVALANCHES} avalanches" in shown.out
     assert f"{AVALANCHES} avalanches" in silo2d("list", "-o", folder / "runs").out
+
+
+def test_rows_that_are_kept_are_not_run_and_those_of_other_options_are_refused(whole, tmp_path):
+    """Elsewhere there is no run: --add takes the avalanches from the table, and says so there."""
+    folder, table, _ = whole
+    made = shutil.copytree(folder / "runs" / "clog", tmp_path / "clog")
+    (file,) = made.glob("*.csv")
+    words = ["clog", folder / "small.toml", "--outlets", "22 mm", "--avalanches", AVALANCHES,
+             "--workers", 1, "-o", tmp_path, "--no-figures", "--add"]  # fmt: skip
+    dry = silo2d(*words, "--dry-run", "--json")
+    assert dry.json["outlets"] == []
+    again = silo2d(*words, "--json")
+    assert again.code == 0, again.err
+    assert again.json["outlets"] == table["outlets"]
+    assert not list(tmp_path.glob("*-seed*"))
+    assert read_results(file)[0]["kept"].startswith("1 rows of ")
+    assert_refused(silo2d(*words, "--drop", "1 mm"), f"--add: {file} was made by", "same options")
 
 
 def test_cost_is_told_before(tmp_path):

@@ -156,7 +156,8 @@ def reproduce_table(
     refuse_unless_writable(Path(write or out), "--write")
     kept: list[str] = []
     if add:
-        where["known"], kept = _rows_there(Path(write or out), name, simulator)
+        file = Path(write or out) / f"reproduce-{name}.csv"
+        _, where["known"], kept = rows_there(file, simulator)
     rows = table.run(out=Path(out), seeds=numbers, workers=workers, quiet=quiet, **where)
     text = table.report(rows)
     click.echo(json.dumps({"table": name, "rows": rows}, indent=2) if as_json else on_screen(text))
@@ -209,8 +210,8 @@ def _of_labelled_runs(
     return given
 
 
-def _rows_there(folder: Path, name: str, simulator: "Simulator") -> tuple[list[Row], list[str]]:
-    """The rows that are done of a table's CSV file, and a line for its head on where they are from.
+def rows_there(file: Path, simulator: "Simulator") -> tuple[str, list[Row], list[str]]:
+    """Command and done rows of a CSV file of results, and a line on where they are from.
 
     Nothing where there is no such file; FolderError where it is damaged.
     """
@@ -218,9 +219,8 @@ def _rows_there(folder: Path, name: str, simulator: "Simulator") -> tuple[list[R
     from granulab.campaign.output.results import read_results
     from granulab.campaign.runs.provenance import to_stderr
 
-    file = folder / f"reproduce-{name}.csv"
     if not file.exists():
-        return [], []
+        return "", [], []
     made, rows = read_results(file)
     rows = done(rows)
     sources = made.get("versions", "").rpartition("sources ")[2] or "unknown sources"
@@ -228,4 +228,5 @@ def _rows_there(folder: Path, name: str, simulator: "Simulator") -> tuple[list[R
     if sources != simulator.sources.digest:
         to_stderr(f"{file}: {words}, are kept, which another version of the sources made")
     earlier = made.get("kept")
-    return rows, [f"kept: {words}" + (f"; of these {earlier}" if earlier else "")]
+    kept = f"kept: {words}" + (f"; of these {earlier}" if earlier else "")
+    return made.get("command", ""), rows, [kept]
