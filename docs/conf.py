@@ -5,8 +5,13 @@ docstrings, which are plain text: the first paragraph as a sentence, the rest as
 """
 
 import importlib
+import os
 import re
+import shutil
+import tempfile
+from pathlib import Path
 
+import matplotlib
 from docutils import nodes
 from latex2mathml.converter import convert
 
@@ -16,10 +21,11 @@ copyright = author
 html_title = "GranuLab"
 
 extensions = [
-    "myst_parser",
+    "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx.ext.viewcode",
     "sphinx_design",
+    "sphinx_gallery.gen_gallery",
 ]
 exclude_patterns = ["examples", "results/silo2d", "results/damper3d"]
 html_theme = "furo"
@@ -31,8 +37,39 @@ html_css_files = ["equations.css"]
 html_math_renderer = "mathml"  # in the page itself: no script, no network
 
 myst_enable_extensions = ["colon_fence", "dollarmath"]
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 600  # [s] of a cell; the first one compiles
+nb_execution_in_temp = True
+nb_merge_streams = True
 myst_heading_anchors = 4  # the anchors that pages link to, as they are on code hosts
 suppress_warnings = ["myst.header"]  # a page may go from # to ###, as where a table follows
+
+# The gallery runs in a copy, so that run folders of its examples do not lie in the tree; one that
+# has not changed is not run again. An assertion that fails stops the build.
+matplotlib.use("Agg")
+DOCS = Path(__file__).parent
+EXAMPLES = Path(tempfile.mkdtemp(prefix="gallery-")) / "gallery"
+shutil.copytree(DOCS / "examples" / "gallery", EXAMPLES)
+sphinx_gallery_conf = {
+    "examples_dirs": str(EXAMPLES),
+    "gallery_dirs": "gallery",
+    "subsection_order": [
+        os.path.relpath(EXAMPLES / name, DOCS)
+        for name in ("silo", "damper", "laboratory", "contacts")
+    ],
+    "filename_pattern": r"/plot_",
+    "abort_on_example_error": True,
+    "capture_repr": (),
+    "image_scrapers": ("matplotlib",),
+    "reset_modules": ("matplotlib",),
+    "notebook_extensions": set(),
+    "show_memory": False,
+    "show_signature": False,
+    "download_all_examples": False,
+    "write_computation_times": False,
+    "thumbnail_size": (320, 224),
+}
 
 # Public names are loaded on first use; autodoc sees those that are there.
 for name in ("granulab.contact", "granulab.campaign", "silo2d", "damper3d", "calibration"):
@@ -76,6 +113,7 @@ def equation(writer, node) -> None:
 
 
 def setup(app) -> None:
-    """Hook docstrings and equations in."""
+    """Hook docstrings and equations in, and tidy up."""
     app.connect("autodoc-process-docstring", as_text)
     app.add_html_math_renderer("mathml", (equation, None), (equation, None))
+    app.connect("build-finished", lambda *_: shutil.rmtree(EXAMPLES.parent))

@@ -158,8 +158,8 @@ def _planned(cases: "Sequence[Labelled]", protocol: "Protocol", as_json: bool) -
     found = list(lines.values())
     minutes = sum(one["expected_min"] for one in found)
     if as_json:
-        said = {"protocol": dataclasses.asdict(protocol), "outlets": found}
-        return json.dumps({**said, "expected_min": minutes}, indent=2)
+        planned = {"protocol": dataclasses.asdict(protocol), "outlets": found}
+        return json.dumps({**planned, "expected_min": minutes}, indent=2)
     table = columns(
         ["outlet", "D/d", "runs", "avalanches", "of about", "CPU time"],
         [

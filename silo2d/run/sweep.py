@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from granulab.campaign.runs.lock import once
 from granulab.campaign.runs.protocol import Stop, packing_sources
 from granulab.campaign.sweeps import study_keys
-from granulab.campaign.sweeps.cases import label_study
+from granulab.campaign.sweeps.cases import label_study, table_of_study
 from granulab.campaign.sweeps.cases import run_study as run_labelled_study
 from granulab.campaign.sweeps.report.quantities import Ending, Number, Quantities
 from granulab.campaign.sweeps.sweep import Simulator, Task, run_labelled, run_or_pack, silent
@@ -135,19 +135,18 @@ run_study = partial(run_labelled_study, SILO)
 
 def sweep(
     study: str | Path, changes: dict[str, Any] | None = None, *, out: str | Path = "runs",
-    workers: int | None = None, quiet: bool = True,
+    workers: int | None = None, quiet: bool | None = None,
 ) -> "DataFrame":  # fmt: skip
     """Run a study file of silos; its table, a row a run with labels, state and results, in SI.
 
     changes: of all cases, by key, before the study's own. workers: runs at a time; None: all cores.
+    quiet: False shows progress on stderr; None only in a notebook, as a line that changes in place.
     The script that calls it needs `if __name__ == "__main__"`, as the workers import it. Raises
-    InputError, one line, where the study cannot be.
+    InputError, one line, where the study cannot be, and KeyboardInterrupt after Ctrl-C or the
+    notebook's interrupt; runs keep their state, and the same call goes on.
     """
-    from pandas import DataFrame
-
     loaded = load_study(study, changes)
-    _, rows = run_study(loaded, out=Path(out), workers=workers, quiet=quiet)
-    return DataFrame(rows)
+    return table_of_study(SILO, loaded, out=Path(out), workers=workers, quiet=quiet)
 
 
 def commented_study() -> str:

@@ -60,11 +60,13 @@ UNUSUAL = [
     ("calibration", {"outlet_over_width": 1.0}, "outlet_over_width = 1"),
     ("calibration", {"string_length_m": 19.0}, "string_length_m = 19"),
     ("calibration", {"bounces": [{"impact_speed_m_s": 313.1}]}, "bounces.0.impact_speed_m_s"),
+    ("calibration", {"curve": {"remaining": [1.0, 1.15]}}, "curve.remaining.1 = 1.15: outside -0"),
     ("damper3d", {"law_term": 0.24}, "law_term = 0.24"),
 ]
 USUAL = [
     ("calibration", restitution(0.53, 0.02, [0.5, 0.56], [0.03, 0.03])),
     ("calibration", {"string_length_m": None, "discharge_time_s": None}),
+    ("calibration", {"curve": {"remaining": [1.001, 0.5, -0.01]}}),  # noise of a film's ends
     ("silo2d", {"packing_fraction": 0.85}),
     ("damper3d", {"efficiency": None, "law_term": 0.05, "packing": {"fraction": 0.58}}),
 ]

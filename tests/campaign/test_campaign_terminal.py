@@ -17,6 +17,7 @@ from granulab.campaign.runs import stages as stages_module
 from granulab.campaign.runs.stages import COMPILING, Stages
 from granulab.campaign.sweeps.engine import Tally
 from granulab.campaign.sweeps.sweep import progress_of
+from granulab.errors import Stopped
 
 
 @pytest.fixture
@@ -93,6 +94,88 @@ def test_terminal_gets_a_bar_and_stdout_stays_clean(monkeypatch, capsys):
         assert word in shown
     assert "n_out" not in shown
     assert capsys.readouterr().out == '{"n_out": 3}\n'
+
+
+class Cell:
+    """Output of a notebook's cell: keeps what it has shown."""
+
+    def __init__(self):
+        self.shown = []
+
+    def update(self, data, raw):
+        assert raw
+        self.shown.append(data["text/plain"])
+
+
+@pytest.fixture
+def cell(monkeypatch):
+    made = Cell()
+    monkeypatch.setattr(terminal, "in_notebook", lambda: True)
+    monkeypatch.setattr(terminal, "_cell", lambda: made)
+    return made
+
+
+def test_notebook_gets_one_line_that_changes_and_vanishes(clock, capsys, cell):
+    """Changed three times a second at most, never back; stderr and stdout stay empty."""
+    with Progress("A4 <1>") as progress:
+        for tenth in range(30):
+            clock[0] = 100.0 + tenth / 10
+            progress.update(0.5 if tenth == 15 else tenth / 100, "on")
+    assert capsys.readouterr() == ("", "")
+    *lines, last = cell.shown
+    assert last == ""
+    assert 3 < len(lines) <= 1 + 2.9 / terminal._REDRAWN
+    parts = [int(re.search(r"(\d+)%", line)[1]) for line in lines]
+    assert parts == sorted(parts)
+    assert parts[-1] == 50
+    assert lines[-1] == "A4 <1>: 50% (3 s left) on"
+
+
+def test_line_of_a_notebook_stays_where_the_run_was_stopped(clock, cell):
+    def stopped():
+        with Progress("A4", estimates=False) as progress:
+            progress.update(0.43, "discharging, t = 1 s; 3 s left")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        stopped()
+    assert cell.shown == ["A4: 43% discharging, t = 1 s; 3 s left"]
+
+
+def test_a_script_is_no_notebook():
+    assert not terminal.in_notebook()
+
+
+def test_interrupt_of_what_python_called_asks_and_comes_out_as_itself():
+    """Who looks ends in good order; afterwards Ctrl-C is Python's own again."""
+
+    def work():
+        with terminal.interruptible() as stop:
+            assert not stop()
+            signal.raise_signal(signal.SIGINT)
+            if stop():
+                raise Stopped("kept")
+
+    hook = sys.unraisablehook
+    with pytest.raises(KeyboardInterrupt, match="kept"):
+        work()
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert sys.unraisablehook is hook
+
+
+def test_interrupt_that_means_something_else_is_left_alone():
+    """Within a command, and in a worker that is kept from Ctrl-C."""
+    with StopRequest() as command, terminal.interruptible() as stop:
+        signal.raise_signal(signal.SIGINT)
+        assert command.requested
+        assert not stop()
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with terminal.interruptible() as stop:
+            signal.raise_signal(signal.SIGINT)
+            assert not stop()
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -35,9 +35,10 @@ class Range:
         off = _off(value, self.physics)
         return off <= (self.slack if sigma is None else min(self.slack, _SURE * sigma))
 
-    def usual(self, value: float) -> bool:
-        """True if such an experiment finds such a value."""
-        return _off(value, self.physics) == 0.0 == _off(value, self.experiment)
+    @property
+    def found(self) -> tuple[float, float]:
+        """Range that such an experiment finds; that of physics where none is given."""
+        return self.physics if self.experiment == _EVERYTHING else self.experiment
 
 
 @cache
@@ -66,9 +67,8 @@ def judged(of: str, answers: Mapping[str, Any]) -> list[str]:
                         f"{known}: outside {_said(one.physics)}, which cannot be: {one.why}; "
                         f"{one.cure}"
                     )
-                if not one.usual(value):
-                    low = one.experiment if one.experiment != _EVERYTHING else one.physics
-                    found.append(f"{known}: outside {_said(low)}: {one.why}; {one.cure}")
+                if _off(value, one.found) > 0.0:
+                    found.append(f"{known}: outside {_said(one.found)}: {one.why}; {one.cure}")
     return list(dict.fromkeys(found))
 
 

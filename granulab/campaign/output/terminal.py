@@ -1,28 +1,34 @@
-"""Progress of a run at a terminal, and stopping it in good order."""
+"""Progress of a run at a terminal or in a notebook, and stopping it in good order."""
 
 import _thread
+import html
 import math
 import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from time import monotonic
 from typing import Any, Self
+
+from granulab.errors import Stopped
 
 _LINE_INTERVAL = 10.0  # s between lines where stderr is a file or a pipe
 INTERVAL = "GRANULAB_PROGRESS_INTERVAL"  # environment variable: other seconds between them
 _UNNOTICED = 2.0  # [s] that nobody minds to wait without a word
 _GRACE = 0.5  # [s] for a run to notice that it is to end
+_REDRAWN = 0.3  # s between changes of a line in a notebook
 _AGAIN = 0.05  # [s] after which a Ctrl-C that was lost comes again
 _TELLING = 0.01  # part done from which on its speed says something; before, it is start-up
 
 
 class Progress:
-    """Progress of a run on stderr: a bar on a terminal, else a line every ten seconds.
+    """Progress of a run: a bar on a terminal, a line in a notebook, else a line every ten seconds.
 
     `with Progress("A4") as progress: progress.update(0.42, "t = 1.2 s")`. Quiet prints nothing.
+    Terminal and lines are stderr. The line in a notebook changes in place; it vanishes at the end,
+    and stays where the run is stopped or fails.
     """
 
     def __init__(self, title: str, quiet: bool = False, estimates: bool = True) -> None:
@@ -32,35 +38,68 @@ class Progress:
         self._estimates, self._stage = estimates, ""
         self._quiet = quiet
         self._bar: Any = None
+        self._cell: Any = None  # of a notebook: the display that changes in place
+        self._fraction = 0.0  # shown; it never goes back
         self._started = 0.0
         self._last_line = -math.inf  # the first line comes at once
         self._interval = _seconds(os.environ.get(INTERVAL, ""))
 
     def __enter__(self) -> Self:
         self._started = monotonic()
-        if not self._quiet and sys.stderr.isatty():
+        if self._quiet:
+            return self
+        if in_notebook():
+            self._cell, self._interval = _cell(), _REDRAWN
+        elif sys.stderr.isatty():
             self._bar = _bar(self._estimates)
             self._task = self._bar.add_task(self._title, total=1.0, text="")
             self._bar.start()
         return self
 
-    def __exit__(self, *exception: object) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *exception: object) -> None:
         if self._bar is not None:
             self._bar.stop()
+        if self._cell is not None and kind is None:
+            self._cell.update({"text/plain": "", "text/html": ""}, raw=True)
 
     def update(self, fraction: float, text: str = "") -> None:
-        """Show the fraction done (0 to 1) and a few words on what goes on."""
-        fraction = min(max(fraction, 0.0), 1.0)
+        """Show the fraction done (0 to 1), which never goes back, and a few words."""
+        self._fraction = max(self._fraction, min(fraction, 1.0))
         if self._bar is not None:
-            self._bar.update(self._task, completed=fraction, text=text)
+            self._bar.update(self._task, completed=self._fraction, text=text)
             return
         stage = "" if self._estimates else text.partition(",")[0]
         due = monotonic() - self._last_line >= self._interval or stage != self._stage
         if due and not self._quiet:
             self._last_line, self._stage = monotonic(), stage
-            left = _time_left(fraction, self._last_line - self._started) if self._estimates else ""
-            line = f"{self._title}: {fraction:.0%}{left} {text}".rstrip()
+            self._show(text)
+
+    def _show(self, text: str) -> None:
+        """Show one line of progress, in place in a notebook."""
+        left = ""
+        if self._estimates:
+            left = _time_left(self._fraction, self._last_line - self._started)
+        line = f"{self._title}: {self._fraction:.0%}{left} {text}".rstrip()
+        if self._cell is None:
             print(line, file=sys.stderr, flush=True)
+            return
+        bar = f'<progress value="{self._fraction:.3f}"></progress> {html.escape(line)}'
+        self._cell.update({"text/plain": line, "text/html": bar}, raw=True)
+
+
+def in_notebook() -> bool:
+    """True in the main thread of a kernel of Jupyter, whose cells have outputs that can change."""
+    ipython = sys.modules.get("IPython")  # where it is not loaded, no kernel runs
+    if ipython is None or threading.current_thread() is not threading.main_thread():
+        return False
+    return hasattr(ipython.get_ipython(), "kernel")
+
+
+def _cell() -> Any:
+    """An output of the cell that runs, empty as yet."""
+    from IPython.display import display
+
+    return display({"text/plain": "", "text/html": ""}, raw=True, display_id=True)
 
 
 def _seconds(text: str) -> float:
@@ -126,12 +165,13 @@ class StopRequest:
 
     Where nobody has looked at it in half a second, or at a further Ctrl-C, KeyboardInterrupt is
     raised: what has no frames (growing particles, a shape, a long step) ends too. Outside the main
-    thread, where Python takes no signals, it does nothing.
+    thread, where Python takes no signals, it does nothing. signals: those that are taken.
     """
 
     interrupted = False  # whether one has raised KeyboardInterrupt, which a compiler may swallow
 
-    def __init__(self) -> None:
+    def __init__(self, signals: Sequence[signal.Signals] = (signal.SIGINT, signal.SIGTERM)) -> None:
+        self._signals = signals
         self._requested = False
         self._previous: dict[signal.Signals, Any] = {}
         self._last_resort: threading.Timer | None = None
@@ -145,7 +185,7 @@ class StopRequest:
 
     def __enter__(self) -> Self:
         if threading.current_thread() is threading.main_thread():
-            for number in (signal.SIGINT, signal.SIGTERM):
+            for number in self._signals:
                 self._previous[number] = signal.signal(number, self._receive)
         return self
 
@@ -182,3 +222,27 @@ def pass_on_interrupt(unraisable: Any) -> None:
     again = threading.Timer(_AGAIN, _thread.interrupt_main)
     again.daemon = True
     again.start()
+
+
+@contextmanager
+def interruptible() -> Iterator[Callable[[], bool]]:
+    """Let Ctrl-C, or a notebook's interrupt, end within what Python called, its state kept.
+
+    Gives what is true once it is to end. Whoever sees that raises Stopped, which comes out as
+    KeyboardInterrupt; where nobody looks in half a second, that is raised at once. Where Ctrl-C
+    has another meaning (within a command, in a worker, in a thread), nothing changes.
+    """
+    if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield lambda: False
+        return
+    StopRequest.interrupted = False
+    before, sys.unraisablehook = sys.unraisablehook, pass_on_interrupt
+    try:
+        with StopRequest([signal.SIGINT]) as stop:
+            yield lambda: stop.requested
+    except Exception as error:
+        if isinstance(error, Stopped) or StopRequest.interrupted:  # numba makes another error of it
+            raise KeyboardInterrupt(f"{error}; from Python the same call does") from None
+        raise
+    finally:
+        sys.unraisablehook = before

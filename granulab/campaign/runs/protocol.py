@@ -3,13 +3,15 @@
 import os
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from granulab.campaign.runs.folder import RESULTS, RunFolder, open_run, resume_run, seals_of
 from granulab.errors import DamagedError, FolderError, InputError, SimulationError, Stopped
+from granulab.campaign.output import terminal
 from granulab.campaign.output.files import write_atomic, writing
 from granulab.campaign.runs.lock import alone
 from granulab.campaign.runs.provenance import Sources, Warn, provenance, to_stderr
@@ -88,15 +90,23 @@ class Runs(Generic[Case, Found]):
         out: str | Path | None = None,
         progress: Progress | Stages | None = None,
         again: bool = False,
-        stop: Stop = lambda: False,
+        stop: Stop | None = None,
         warn: Warn = to_stderr,
     ) -> Found:
         """Run a case in a folder below `out` ("runs"), or read the result that stands there.
 
-        An unfinished run goes on from its checkpoint. `stop` is called some times a second; when
-        it is true, the state is kept and Stopped is raised. `warn` is called for what other
-        sources made. Raises InputError where the particles do not fit, FolderError for folders
-        that cannot be used and SimulationError where the simulation fails.
+        An unfinished run goes on from its checkpoint.
+
+        progress  takes the part of all that is done (0 to 1) and words; None: a line that changes
+                  in place in a notebook, nothing in a script
+        again     compute a finished run once more, in a new folder
+        stop      called some times a second; when it is true, the state is kept and Stopped is
+                  raised; None: Ctrl-C or the notebook's interrupt does so and raises
+                  KeyboardInterrupt, and the same call goes on
+        warn      called for what other sources made
+
+        Raises InputError where the particles do not fit, FolderError for folders that cannot be
+        used and SimulationError where the simulation fails.
         """
         name = f"{case.name}-seed{case.settings.run.seed}"
         folder = open_run(Path(out or "runs"), name, self.digest(case), again)
@@ -107,7 +117,7 @@ class Runs(Generic[Case, Found]):
         path: str | Path,
         *,
         progress: Progress | Stages | None = None,
-        stop: Stop = lambda: False,
+        stop: Stop | None = None,
     ) -> Found:
         """Go on with the run in a folder; see `run`."""
         assert self.load
@@ -143,7 +153,7 @@ class Runs(Generic[Case, Found]):
         folder: RunFolder,
         case: Case,
         progress: Progress | Stages | None,
-        stop: Stop,
+        stop: Stop | None,
         warn: Warn,
     ) -> Found:
         kept = folder.state == "finished" and not self._is_outdated(folder)
@@ -156,14 +166,15 @@ class Runs(Generic[Case, Found]):
             if folder.state == "finished":
                 self._clear(folder, case)  # it may have been killed before it could
                 return self._read(folder, warn)
-            stages = Stages.of(progress)
-            stages.compiling = self.compiling(case)
             tried = folder.read_provenance()
             if tried.pop("failed", None):
                 folder.write_provenance(tried)  # it goes on
             try:
-                with stages.watching():
-                    summary = self.compute(folder, case, stages, stop, warn)
+                seeded = f"{case.name}, seed {case.settings.run.seed}"
+                with attended(seeded, progress, stop) as (stages, ending):
+                    stages.compiling = self.compiling(case)
+                    with stages.watching():
+                        summary = self.compute(folder, case, stages, ending, warn)
             except (InputError, SimulationError) as error:
                 folder.write_provenance({**tried, "failed": str(error)})
                 raise
@@ -214,6 +225,20 @@ class Runs(Generic[Case, Found]):
                 folder.write_provenance({**origin, "measures_digest": self.measures.digest})
                 folder.write_summary(summary)
         return self.result.read(folder, reused=True)
+
+
+@contextmanager
+def attended(
+    title: str, progress: Progress | Stages | None, stop: Stop | None
+) -> Iterator[tuple[Stages, Stop]]:
+    """Stages and stop of a run; where none are given, those of a person at Python: see Runs.run."""
+    with ExitStack() as surroundings:
+        if progress is None and terminal.in_notebook():
+            line = surroundings.enter_context(terminal.Progress(title, estimates=False))
+            progress = line.update
+        if stop is None:
+            stop = surroundings.enter_context(terminal.interruptible())
+        yield Stages.of(progress), stop
 
 
 def restored(

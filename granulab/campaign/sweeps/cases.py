@@ -5,15 +5,19 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from granulab.campaign.output.files import write_atomic, writing
 from granulab.campaign.output.table import write_table
+from granulab.campaign.output.terminal import in_notebook
 from granulab.campaign.runs.folder import RunFolder, digest
 from granulab.campaign.runs.provenance import provenance
 from granulab.campaign.sweeps.report.axes import Varied
 from granulab.campaign.sweeps.study import Study, read_study
 from granulab.campaign.sweeps.sweep import Labelled, Simulator, over_seeds, run_labelled
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 
 class Keys(Protocol):
@@ -99,6 +103,26 @@ def run_study(
     rows = run_labelled(simulator, loaded.cases, out=out, **options)
     folder.seal("study.toml", *write_table(folder.path, rows))
     return folder.path, rows
+
+
+def table_of_study(
+    simulator: Simulator, loaded: LabelledStudy, *, out: Path, workers: int | None,
+    quiet: bool | None,
+) -> "DataFrame":  # fmt: skip
+    """Run a study as Python calls it: its table, a row a run.
+
+    quiet: None shows progress in a notebook and nothing in a script. After Ctrl-C, or a notebook's
+    interrupt, KeyboardInterrupt: what ran has kept its state, and the same call goes on.
+    """
+    from pandas import DataFrame
+
+    silent = not in_notebook() if quiet is None else quiet
+    _, rows = run_study(simulator, loaded, out=out, workers=workers, quiet=silent)
+    reasons = [row["reason"] for row in rows if row["state"] == "interrupted"]
+    if reasons:
+        lacking = f"{len(reasons)} of {len(rows)} runs are not finished ({reasons[0]})"
+        raise KeyboardInterrupt(f"{lacking}; the same call goes on from there")
+    return DataFrame(rows)
 
 
 def study_folder(simulator: Simulator, loaded: LabelledStudy, out: Path) -> RunFolder:
