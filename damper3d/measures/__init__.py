@@ -37,4 +37,4 @@ MEASURES = Measures(
     }
 )
 
-register = MEASURES.register
+register, observe, draw = MEASURES.register, MEASURES.observe, MEASURES.draw

@@ -35,3 +35,4 @@ MEASURES = Measures(
 )
 
 find, register = MEASURES.find, MEASURES.register
+observe, draw = MEASURES.observe, MEASURES.draw

@@ -10,6 +10,7 @@ from outside, a call of `register`:
 import importlib
 import inspect
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from granulab.contact.files.units import nearest
@@ -69,6 +70,18 @@ class Measures:
             raise InputError(f"observe {name!r}: {nearest(name, list(self._known))}")
         known = self._known[name]
         return known.load() if isinstance(known, Shipped) else known
+
+    def observe(self, folder: str | Path, name: str, **options: Any) -> dict[str, Any]:
+        """Numbers and series [SI] that a measure makes of a run folder.
+
+        options: between, from and until [s], of the measures that take it. InputError for a name or
+        an option that there is not.
+        """
+        return self.find(name).measure(Path(folder), **self.options(name, **options))
+
+    def draw(self, folder: str | Path, name: str, **options: Any) -> "Figure":
+        """The picture of a measure of a run folder; see observe."""
+        return self.find(name).draw(Path(folder), **self.options(name, **options))
 
     def options(self, name: str, **options: Any) -> dict[str, Any]:
         """Those options that are given; InputError where the measure of a name takes one not."""

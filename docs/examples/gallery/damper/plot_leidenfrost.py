@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from damper3d import DamperCase, run
-from granulab.campaign.runs.trajectory import read_tables
+from granulab.campaign import read_tables
 
 # %%
 result = run(DamperCase.load("thesis", {"motion.frequency": 160, "motion.gamma": 12}))

@@ -16,8 +16,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from damper3d.case.closed_forms import PACKINGS, bouncing_bed_onset, effective_clearance
-from granulab.campaign.output.results import read_results
-from granulab.contact.files.datafile import data_root
+from granulab.campaign import read_results
+from granulab.contact import data_root
 
 # %%
 # Efficiency by the work of the walls, which leaves out what a bed that still packs down gives

@@ -19,7 +19,7 @@ import numpy as np
 from damper3d.studies.field.balance import respond
 from damper3d.studies.field.structure import Structure
 from damper3d.studies.field.table import read_field
-from granulab.contact.files.datafile import data_root
+from granulab.contact import data_root
 
 # %%
 field = read_field(data_root().parent / "docs" / "results" / "damper3d" / "field.csv")

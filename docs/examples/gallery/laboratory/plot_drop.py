@@ -15,7 +15,7 @@ On the command line::
 import matplotlib.pyplot as plt
 
 from calibration import measure_drop
-from granulab.contact.files.datafile import data_root
+from granulab.contact import data_root
 
 # %%
 drop = measure_drop(data_root() / "media" / "drop.mp4")

@@ -14,7 +14,7 @@ On the command line::
 import matplotlib.pyplot as plt
 
 from calibration import measure_pendulum
-from granulab.contact.files.datafile import data_root
+from granulab.contact import data_root
 
 # %%
 pendulum = measure_pendulum(data_root() / "media" / "pendulum.mp4")

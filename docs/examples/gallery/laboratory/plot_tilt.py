@@ -16,10 +16,10 @@ On the command line::
 import matplotlib.pyplot as plt
 import numpy as np
 
+from calibration import into
 from calibration.bench.incline import INPUTS, friction
 from calibration.bench.sections import request_of
-from calibration.files.parameter_file import into
-from granulab.contact.files.datafile import data_root
+from granulab.contact import data_root
 
 # %%
 # All trials share the error of the zero of the plate's angle, 0.2 deg.

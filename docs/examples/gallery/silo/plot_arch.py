@@ -16,12 +16,11 @@ On the command line::
 import matplotlib.pyplot as plt
 import numpy as np
 
-from silo2d import SiloCase, run
-from silo2d.measures import find
+from silo2d import SiloCase, observe, run
 
 # %%
 result = run(SiloCase.load("A1", {"fill.level": "150 mm"}))
-arch = find("arch").measure(result.run_folder)
+arch = observe(result.run_folder, "arch")
 print(result.outcome, f"span {arch['span_m']:.4f} m, rise {arch['rise_m']:.4f} m")
 
 # %%

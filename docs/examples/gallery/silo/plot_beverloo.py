@@ -15,8 +15,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from scipy.stats import chi2
 
-from granulab.campaign.output.results import read_results
-from granulab.contact.files.datafile import data_root
+from granulab.campaign import read_results
+from granulab.contact import data_root
 from silo2d.reproduce.quantities.beverloo_law import fit_law
 
 # %%

@@ -14,8 +14,8 @@ On the command line, for one outlet::
 import matplotlib.pyplot as plt
 import numpy as np
 
-from granulab.campaign.output.results import read_results
-from granulab.contact.files.datafile import data_root
+from granulab.campaign import read_results
+from granulab.contact import data_root
 from silo2d.measures.clogging.laws import Outlets, exponential, power
 
 # %%

@@ -13,8 +13,7 @@ On the command line::
 
 import matplotlib.pyplot as plt
 
-from silo2d import SiloCase, run
-from silo2d.measures import find
+from silo2d import SiloCase, observe, run
 
 # %%
 # Every key of a case can be changed, by its section and name.
@@ -23,7 +22,7 @@ print(result.outcome, f"after {result.discharge_time_s:.3f} s")
 
 # %%
 # The measure `curve` gives the flow over a moving window, and the time for which it is steady.
-curve = find("curve").measure(result.run_folder)
+curve = observe(result.run_folder, "curve")
 
 figure, (count, flow) = plt.subplots(2, sharex=True, layout="constrained")
 result.records()["n_out"].plot(ax=count, ylabel="particles out [-]")

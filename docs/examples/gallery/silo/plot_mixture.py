@@ -18,8 +18,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from silo2d import SiloCase, run
-from silo2d.measures import find
+from silo2d import SiloCase, observe, run
 from silo2d.measures.segregation import segregation_index
 
 # %%
@@ -37,7 +36,7 @@ form = "hexagon"
 size = "7 mm"
 """)
 result = run(SiloCase.load("A4", {"fill.level": "150 mm", "particles.shapes": "mixture.toml"}))
-found = find("segregation").measure(result.run_folder)
+found = observe(result.run_folder, "segregation")
 plt.plot(found["time_s"], found["components"][0]["index"])
 plt.axhline(0, color="0.6", linestyle=":")
 plt.gca().set(xlabel="time [s]", ylabel="segregation index [-]", ylim=(-0.1, 1))
