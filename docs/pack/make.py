@@ -17,11 +17,11 @@ import tomlkit
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parents[1] / "tests" / "helpers")]
 
+import assemblies  # noqa: E402
 import bodies  # noqa: E402
 import impacts  # noqa: E402
 import motions  # noqa: E402
 import package  # noqa: E402
-import runs  # noqa: E402
 from record import QUANTITIES, Case  # noqa: E402
 
 PAGE = HERE.parent / "verification/pack.md"
@@ -31,7 +31,7 @@ EXPECTED = ("variant", "quantity", "body", "time_s", "value", "unit", "tolerance
 
 def cases() -> list[Case]:
     """All cases, in the order of the index."""
-    return [case for part in (impacts, motions, bodies, runs) for case in part.cases()]
+    return [case for part in (impacts, motions, bodies, assemblies) for case in part.cases()]
 
 
 def generated() -> dict[Path, str]:
