@@ -72,14 +72,14 @@ class Arch:
 def measure(folder: Path) -> dict[str, Any]:
     """The arch of a clogged run.
 
-    n_particles                     of the arch
+    n_grains                     particles of the arch
     span_m, rise_m, aspect       distance of the feet; height over their straight line; rise/span
     tilt_rad                     of the line from the left to the right foot
     crown_m                      the arch's highest point over the outlet
     load_n, load_share           what other bodies press it down with; over the weight inside
     weakest_force_n, mean_...    normal forces along the arch; weakest_over_weight: over the weight
                                  of a mean particle
-    particles, line_m, walls        see Arch
+    grains, line_m, walls        see Arch (grains: its particles)
 
     Raises InputError where the run did not clog, or is not over.
     """
