@@ -20,7 +20,13 @@ from granulab.contact.files.datafile import data_root
 pytestmark = pytest.mark.docs
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGES = ["start/silo.md", "start/damper.md", "start/laboratory.md"]
+PAGES = [
+    "start/silo.md",
+    "start/damper.md",
+    "start/laboratory.md",
+    "damper/run.md",
+    "damper/beds.md",
+]
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 CLOSE = 0.1
 
