@@ -2,10 +2,13 @@
 
     python tests/docs/every_command.py [--only WORD] [--write docs/results/commands.csv]
 
+--only: those of pages whose name holds a word; the rows of the others stay.
+
 The commands of a page run in their order in a folder of their own, which begins with one run of a
 silo and one of a damper (for RUN), and links to data and docs; files that the page says to write
-are there. `end` is: done; refused (one line and exit code 2: mostly for a reader's own file);
-longer than LIMIT; or failed, with the exit code, which makes that of this script 1.
+are there. `end` is: done; planned, of many runs, with --dry-run; left out, of a published table;
+refused (one line and exit code 2: mostly for a reader's own file); longer than LIMIT; or failed,
+with the exit code, which makes that of this script 1.
 """
 
 import argparse
@@ -27,6 +30,7 @@ from test_commands_of_pages import PAGES, commands  # noqa: E402
 
 COLUMNS = ("page", "command", "end", "lasts_s")
 LIMIT = 60  # [s]
+MANY = ("sweep", "clog", "map", "design", "field", "compress", "shear")  # runs of a command
 FIRST = ("silo2d run A2 --no-figures", "damper3d run --cycles 5 --discard 2 --no-figures")
 FILE = re.compile(r"Write `([^`]+)`:\n+```\w*\n(.*?)```|`([\w.]+)`:\n\n```\w+\n(.*?)```", re.DOTALL)
 
@@ -66,15 +70,29 @@ def of_page(page: str, own: list[list[str]], begun: Path, folder: Path) -> list[
     for words in own:
         kind = "A2" if words[0] == "silo2d" else "thesis"
         latest = next(iter(folder.glob(f"runs/{kind}*")), "RUN")
-        end, lasted = run([str(latest) if word == "RUN" else word for word in words], folder)
+        own_words = [str(latest) if word == "RUN" else word for word in words]
+        planned = words[1:2] and words[1] in MANY and "--dry-run" not in words
+        if words[1:2] == ["reproduce"] and len(words) > 2:
+            end, lasted = "left out", 0.0
+        else:
+            end, lasted = run([*own_words, *(["--dry-run"] if planned else [])], folder)
+        end = "planned" if planned and end == "done" else end
         command = shlex.join(words)
         rows.append({"page": page, "command": command, "end": end, "lasts_s": f"{lasted:.0f}"})
         print(f"{page}: {command}: {end}, {lasted:.1f} s", flush=True)
     return rows
 
 
+def of_other_pages(file: Path, pages: dict[str, list[list[str]]]) -> list[dict]:
+    """Rows of a table that is there, of pages whose commands were not run this time."""
+    if not file.exists():
+        return []
+    with file.open(encoding="utf-8", newline="") as there:
+        return [row for row in csv.DictReader(there) if row["page"] not in pages]
+
+
 def main() -> int:
-    """Run them all, or those of the pages whose name holds a word."""
+    """Run them and write the table; 1 where one failed."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", default="")
     parser.add_argument("--write", type=Path)
@@ -98,6 +116,7 @@ def main() -> int:
             rows += of_page(page, own, begun, Path(name) / str(k))
             shutil.rmtree(Path(name) / str(k))
     if options.write:
+        rows = sorted(of_other_pages(options.write, pages) + rows, key=lambda row: row["page"])
         with options.write.open("w", encoding="utf-8", newline="") as file:
             writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
             writer.writeheader()

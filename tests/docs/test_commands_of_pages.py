@@ -1,5 +1,6 @@
 """Commands on any page, and of its pictures: each is one that the program takes."""
 
+import csv
 import importlib
 import re
 import shlex
@@ -35,6 +36,17 @@ def commands():
         for command in recipe.get("run", ()):
             if command.split()[0] in PROGRAMS:
                 yield name, shlex.split(command)
+
+
+def test_every_command_of_a_page_has_been_run_and_none_failed():
+    """By `make commands`, or `python tests/docs/every_command.py --only PAGE --write FILE`."""
+    with (ROOT / "docs/results/commands.csv").open(encoding="utf-8", newline="") as file:
+        ends = {(row["page"], row["command"]): row["end"] for row in csv.DictReader(file)}
+    shown = {
+        (str(page), shlex.join(words)) for page, words in commands() if (ROOT / page).is_file()
+    }
+    assert sorted(shown - ends.keys()) == []
+    assert [key for key in shown if ends[key].startswith("failed")] == []
 
 
 def test_every_picture_has_its_recipe_and_a_page_that_shows_it():
