@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 Scalar = type(pytest.approx(1.0))  # which the comparisons of lists and arrays consist of
+REAL = (int, float, np.integer, np.floating)
 COLUMNS = ("test", "comparisons", "expected", "difference", "allowed")
 _noted: list[tuple[float, float, float]] = []  # expected, difference, allowed; of the running test
 
@@ -38,7 +39,7 @@ def _noting(equal: Any) -> Any:
     @functools.wraps(equal)
     def compared(self: Any, actual: Any) -> bool:
         same = bool(equal(self, actual))
-        if same:
+        if same and isinstance(self.expected, REAL) and np.isfinite(self.expected):
             _note(self.expected, actual, self.tolerance)
         return same
 
@@ -59,12 +60,11 @@ def _noting_all(assert_allclose: Any) -> Any:
 
 
 def _note(expected: Any, actual: Any, allowed: float) -> None:
-    try:
+    """Note a comparison of real numbers; others, of truths and complex numbers, are left out."""
+    if isinstance(actual, REAL) and not isinstance(actual, bool):
         values = float(expected), abs(float(actual) - float(expected)), float(allowed)
-    except (TypeError, ValueError, OverflowError):
-        return  # a complex number, a None
-    if np.isfinite(values).all() and not isinstance(actual, bool | np.bool_):
-        _noted.append(values)
+        if np.isfinite(values).all():
+            _noted.append(values)
 
 
 @pytest.hookimpl(wrapper=True)
