@@ -272,6 +272,24 @@ def test_a_table_is_dropped_and_what_is_no_film_refused(studio, opened):
     expect(page.locator(".answer")).to_contain_text("0.7501", timeout=60_000)
 
 
+def test_a_form_that_comes_late_does_not_replace_the_chosen_one(studio, opened):
+    """The first measurement's form is held back until another has been chosen and shown."""
+    page, held = opened(studio.address), []
+    page.route(
+        "**/*task*",
+        lambda route: held.append(route) if not held else route.continue_(),
+    )
+    page.get_by_role("tab", name="Laboratory").click()
+    page.wait_for_timeout(300)
+    page.get_by_label("Measurement").select_option("calibrate heights")
+    expect(page.locator(".lab")).to_contain_text("heights of drop and rebound")
+    expect(page.locator(".lab .quiet").first).to_contain_text("heights")
+    with page.expect_response("**/*task*"):
+        held[0].continue_()
+    page.wait_for_timeout(300)
+    expect(page.locator(".lab .quiet").first).to_contain_text("heights")
+
+
 @pytest.mark.parametrize("room", ["Silo", "Damper", "Map", "Laboratory", "Runs"])
 def test_every_room_fits_a_telephone_light_and_dark(studio, opened, room):
     """At 360 px nothing sticks out to the side; every control has a name."""

@@ -48,6 +48,7 @@ export function labRoom(start) {
   }
   async function choose(name) {
     const form = await ask("task", { task: name });
+    if (name !== which.value) return; // another was chosen while this one's form was on its way
     task = new Task(name, form, () => chosen);
     region = new Region((text) => { task.inputs.get("roi").value = text; });
     const measure = h("button", { class: "main", onclick: () => task.start(withoutWriting()) }, "Measure");
