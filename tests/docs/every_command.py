@@ -54,7 +54,7 @@ def run(words: list[str], folder: Path) -> tuple[str, float]:
         return "done", lasted
     lines = said.strip().splitlines()
     if process.returncode == 2 and "Traceback" not in said and lines:
-        return f"refused: {lines[-1]}", lasted
+        return f"refused: {lines[-1].replace(f'{ROOT}/', '')}", lasted
     return f"failed: exit code {process.returncode}", lasted
 
 
