@@ -8,7 +8,6 @@ import importlib
 import os
 import re
 import shutil
-import tempfile
 from pathlib import Path
 
 import matplotlib
@@ -45,11 +44,12 @@ nb_merge_streams = True
 myst_heading_anchors = 4  # the anchors that pages link to, as they are on code hosts
 suppress_warnings = ["myst.header"]  # a page may go from # to ###, as where a table follows
 
-# The gallery runs in a copy, so that run folders of its examples do not lie in the tree; one that
-# has not changed is not run again. An assertion that fails stops the build.
+# The gallery runs in a copy, so that run folders of its examples do not lie among the pages, and as
+# a whole each time, as the packages may have changed. An assertion that fails stops the build.
 matplotlib.use("Agg")
 DOCS = Path(__file__).parent
-EXAMPLES = Path(tempfile.mkdtemp(prefix="gallery-")) / "gallery"
+EXAMPLES = DOCS.parent / "build" / "gallery"
+shutil.rmtree(EXAMPLES, ignore_errors=True)
 shutil.copytree(DOCS / "examples" / "gallery", EXAMPLES)
 sphinx_gallery_conf = {
     "examples_dirs": str(EXAMPLES),
@@ -59,6 +59,7 @@ sphinx_gallery_conf = {
         for name in ("silo", "damper", "laboratory", "contacts")
     ],
     "filename_pattern": r"/plot_",
+    "run_stale_examples": True,
     "abort_on_example_error": True,
     "capture_repr": (),
     "image_scrapers": ("matplotlib",),
@@ -113,7 +114,6 @@ def equation(writer, node) -> None:
 
 
 def setup(app) -> None:
-    """Hook docstrings and equations in, and tidy up."""
+    """Hook docstrings and equations in."""
     app.connect("autodoc-process-docstring", as_text)
     app.add_html_math_renderer("mathml", (equation, None), (equation, None))
-    app.connect("build-finished", lambda *_: shutil.rmtree(EXAMPLES.parent))

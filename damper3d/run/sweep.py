@@ -92,7 +92,8 @@ def compile_kernels() -> None:
 
     def shake_a_small_damper() -> None:
         with tempfile.TemporaryDirectory() as folder:
-            run(DamperCase.load("thesis", _SMALL), out=folder)
+            case = DamperCase.load("thesis", _SMALL)
+            run(case, out=folder, progress=lambda *_: None, stop=lambda: False)
 
     once(Path(cache_folder(ENGINE)), "damper-compiled", shake_a_small_damper)
 

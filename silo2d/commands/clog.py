@@ -4,7 +4,7 @@ import dataclasses
 import json
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -83,11 +83,17 @@ def clog(
     given = {"avalanches": avalanches, "largest": largest, "breaking": breaking,
              "drop": None if drop is None else to_si(drop, "m", "--drop")}  # fmt: skip
     protocol = Protocol(**{k: v for k, v in given.items() if v is not None})  # type: ignore[arg-type]
-    cases = cases_of(
-        case, _lengths(outlets), range(1, (seeds or 1) + 1), protocol, changes_of(mu, options)
-    )
+    changes = changes_of(mu, options)
+
+    def runs_of(widths: Sequence[float], numbers: Sequence[int]) -> "list[Labelled]":
+        return cases_of(case, widths, numbers, protocol, changes)
+
+    cases = runs_of(_lengths(outlets), range(1, (seeds or 1) + 1))
     place = Path(write or Path(out) / "clog")
-    known, kept = _known(place / f"{_name(cases[0][1])}.csv") if add else ([], [])
+    known: list[dict[str, Any]] = []
+    kept: list[str] = []
+    if add:
+        known, kept = _known(place / f"{_name(cases[0][1])}.csv", runs_of)
     wanted = lacking(cases, known)
     if dry_run:
         click.echo(_planned(wanted, protocol, as_json))
@@ -98,6 +104,7 @@ def clog(
         click.echo(_cost(wanted), err=True)
     rows = run_cases(wanted, out=Path(out), workers=workers, quiet=quiet) + known
     rows.sort(key=lambda row: (row["outlet_mm"], row["seed"]))
+    kept = [f"case: {_digest(cases[0])}", *kept]
     _show(cases[0][1], rows, place, kept, no_figures, as_json)
 
 
@@ -106,16 +113,38 @@ def _name(case: "AvalancheCase") -> str:
     return f"clog-{case.silo.name}-{case.silo.shapes.name}"
 
 
-def _known(file: Path) -> tuple[list[dict[str, Any]], list[str]]:
-    """Rows of the file that is there, and where they are from; InputError: of other options."""
+def _digest(labelled: "Labelled") -> str:
+    """Digest of one run of a table: of everything that is common to all of its runs."""
+    from silo2d.avalanches.case import run_digest
+
+    labels, case = labelled
+    return f"{run_digest(case)} of {labels['outlet_mm']:g} mm, seed {labels['seed']}"
+
+
+def _known(
+    file: Path, runs_of: "Callable[[list[float], list[int]], list[Labelled]]"
+) -> tuple[list[dict[str, Any]], list[str]]:
+    """Rows of the file that is there, and where they are from.
+
+    runs_of: the runs of outlets [m] and seeds. Raises InputError where the file is of another silo,
+    of other particles, parameters or avalanches: by the digest in its head, or in one that has
+    none by the words of its command.
+    """
     from granulab.campaign.cli.reproduce import rows_there
     from granulab.errors import InputError
     from silo2d.avalanches.sweep import AVALANCHES
 
     made, rows, kept = rows_there(file, AVALANCHES)
-    theirs, ours = (sorted(_without(shlex.split(text), _RUNS)) for text in (made, _command()))
+    command = made.get("command", "")
+    theirs, ours = (_without(shlex.split(text), _RUNS) for text in (command, _command()))
+    if "case" in made:
+        _, _, outlet, _, _, seed = made["case"].split()
+        theirs, ours = [made["case"]], [_digest(runs_of([1e-3 * float(outlet)], [int(seed)])[0])]
     if rows and theirs != ours:
-        raise InputError(f"--add: {file} was made by {made!r}; give the same options, or --write")
+        raise InputError(
+            f"--add: {file} was made by {command!r} of another silo, protocol or file; give the "
+            "same, or --write"
+        )
     return rows, kept
 
 

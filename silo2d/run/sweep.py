@@ -94,7 +94,8 @@ def compile_kernels(*, drawn: bool = False) -> None:
     def run_a_small_silo() -> None:
         with tempfile.TemporaryDirectory() as folder:
             disorder = {"disorder.per": "pair"} if drawn else {}
-            protocol.run(SiloCase.load("A4", _SMALL | disorder), out=folder)
+            case = SiloCase.load("A4", _SMALL | disorder)
+            protocol.run(case, out=folder, progress=lambda *_: None, stop=lambda: False)
 
     once(
         Path(cache_folder(ENGINE)),

@@ -69,8 +69,8 @@ def of_page(page: str, own: list[list[str]], begun: Path, folder: Path) -> list[
     rows = []
     for words in own:
         kind = "A2" if words[0] == "silo2d" else "thesis"
-        latest = next(iter(folder.glob(f"runs/{kind}*")), "RUN")
-        own_words = [str(latest) if word == "RUN" else word for word in words]
+        first = min(folder.glob(f"runs/{kind}*"), key=lambda run: run.stat().st_mtime)
+        own_words = [str(first) if word == "RUN" else word for word in words]
         planned = words[1:2] and words[1] in MANY and "--dry-run" not in words
         if words[1:2] == ["reproduce"] and len(words) > 2:
             end, lasted = "left out", 0.0

@@ -38,7 +38,7 @@ def commands():
                 yield name, shlex.split(command)
 
 
-def test_every_command_of_a_page_has_been_run_and_none_failed():
+def test_it_is_known_of_every_command_of_a_page_how_it_ends_and_none_failed():
     """By `make commands`, or `python tests/docs/every_command.py --only PAGE --write FILE`."""
     with (ROOT / "docs/results/commands.csv").open(encoding="utf-8", newline="") as file:
         ends = {(row["page"], row["command"]): row["end"] for row in csv.DictReader(file)}

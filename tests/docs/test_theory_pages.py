@@ -125,11 +125,13 @@ def test_labels_are_used_once_and_the_index_lists_every_page():
     assert {"index", *listed.group(1).split()} == set(TEXT)
 
 
+@pytest.mark.docs
 @pytest.mark.parametrize("page", TEXT)
 def test_equations_are_what_the_site_can_show(page):
     """As MathML: what is not known there leaves a raw ampersand or backslash."""
-    convert = pytest.importorskip("latex2mathml.converter").convert
     from xml.etree import ElementTree
+
+    from latex2mathml.converter import convert
 
     inline = re.findall(r"(?<!\$)\$([^$]+)\$(?!\$)", EQUATION.sub("", TEXT[page]))
     for latex in [*inline, *(body for body, _ in EQUATION.findall(TEXT[page]))]:

@@ -211,7 +211,7 @@ def _moving(run, case: dict, rows: list[dict[str, str]]) -> list[float]:
     dt, seen = case["time_step_s"], dict.fromkeys(IMPACTS, 0.0)
     before = run.kinetic() if isinstance(run, InSpace) else 0.0
     if any(row["quantity"] in IMPACTS for row in rows):
-        _watch(run, seen, dt)
+        _watch(run, seen, dt, round(case["duration_s"] / dt))
     done, found = 0, []
     for row in sorted(rows, key=lambda row: float(row["time_s"] or math.inf)):
         at = round(float(row["time_s"] or case["duration_s"]) / dt)
@@ -222,10 +222,10 @@ def _moving(run, case: dict, rows: list[dict[str, str]]) -> list[float]:
     return [value for _, value in sorted(found)]
 
 
-def _watch(run: InSpace, seen: dict[str, float], dt: float) -> None:
-    """Follow the only contact from its first touch to its end."""
+def _watch(run: InSpace, seen: dict[str, float], dt: float, steps: int) -> None:
+    """Follow the only contact from its first touch to its end; AssertionError without an end."""
     touched = False
-    while True:
+    for _ in range(steps):
         run.step(1)
         _, overlaps, forces = run.contacts()
         if len(overlaps) == 0:
@@ -236,6 +236,7 @@ def _watch(run: InSpace, seen: dict[str, float], dt: float) -> None:
         seen["contact time"] += dt
         seen["deepest overlap"] = max(seen["deepest overlap"], float(overlaps[0]))
         seen["largest normal force"] = max(seen["largest normal force"], float(forces[0]))
+    raise AssertionError(f"no impact that ends in {steps} steps")
 
 
 def _reads(run, row: dict[str, str], seen: dict[str, float], before: float) -> float:

@@ -95,7 +95,9 @@ class _Writer:
                 kept = max(worst, before[1:], key=lambda one: one[1] / (one[2] or 1.0))
                 self.rows[test] = (before[0] + count, *kept)
 
-    def pytest_sessionfinish(self) -> None:
+    def pytest_sessionfinish(self, exitstatus: int) -> None:
+        if exitstatus != pytest.ExitCode.OK:
+            return  # some tests are not among the rows: the table of before stays
         with self.path.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(COLUMNS)

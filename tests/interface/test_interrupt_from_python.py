@@ -4,6 +4,7 @@ import os
 import signal
 import threading
 import time
+from contextlib import contextmanager
 
 import pytest
 
@@ -12,30 +13,41 @@ from silo2d import SiloCase, run, sweep
 SOON = 5.0  # [s] a second on a machine that is not busy
 
 
-def interrupt(after, sent):
-    """Send Ctrl-C after some seconds, and note when."""
+@contextmanager
+def interrupted_once(there):
+    """Send Ctrl-C once `there` is true, and give when; nothing is sent after the block."""
+    sent, over = [], threading.Event()
 
-    def send():
-        sent.append(time.monotonic())
-        os.kill(os.getpid(), signal.SIGINT)
+    def watch():
+        while not over.wait(0.05):
+            if there():
+                sent.append(time.monotonic())
+                os.kill(os.getpid(), signal.SIGINT)
+                return
 
-    threading.Timer(after, send).start()
+    watching = threading.Thread(target=watch)
+    watching.start()
+    try:
+        yield sent
+    finally:
+        over.set()
+        watching.join()
 
 
 def test_interrupted_run_answers_soon_and_ends_as_the_one_that_was_not(tmp_path, reference):
     """To the same bits: the state digest is that of the run that was left alone."""
     case = SiloCase.load(reference.case_file)
-    sent = []
-    shown = []
+    shown, discharging = [], threading.Event()
 
     def progress(fraction, words):
         shown.append(fraction)
-        if words.startswith("discharging") and not sent:
-            interrupt(0.0, sent)
-            time.sleep(0.1)
+        if words.startswith("discharging") and not discharging.is_set():
+            discharging.set()
+            time.sleep(0.2)  # for the watcher to see it
 
-    with pytest.raises(KeyboardInterrupt, match="--resume"):
-        run(case, out=tmp_path, progress=progress)
+    with interrupted_once(discharging.is_set) as sent:  # noqa: SIM117
+        with pytest.raises(KeyboardInterrupt, match="--resume"):
+            run(case, out=tmp_path, progress=progress)
     assert time.monotonic() - sent[0] < SOON
     assert shown == sorted(shown)
     (folder,) = tmp_path.glob(f"{case.name}-seed*")
@@ -52,8 +64,13 @@ def test_interrupted_sweep_is_no_table(tmp_path):
     study.write_text(
         'schema = 1\nname = "two"\ncase = "A4"\nseeds = 2\n[vary]\nsilo.outlet = ["150 mm"]\n'
     )
-    sent = []
-    interrupt(3.0, sent)  # no seed is discharged by then: A4 takes longer to be filled
-    with pytest.raises(KeyboardInterrupt, match="of 2 runs are not finished"):
-        sweep(study, out=tmp_path / "runs")
+    packings = tmp_path / "runs" / "packings"
+
+    def filled_from():
+        """A worker has begun to fill a silo, which takes it seconds."""
+        return any(path.is_dir() for path in packings.glob("*"))
+
+    with interrupted_once(filled_from) as sent:  # noqa: SIM117
+        with pytest.raises(KeyboardInterrupt, match="of 2 runs are not finished"):
+            sweep(study, out=tmp_path / "runs")
     assert time.monotonic() - sent[0] < SOON

@@ -1,6 +1,7 @@
 """Runs that go on after a clog: mass, level and energy are kept, and so are the bits."""
 
 import random
+import re
 import shutil
 from pathlib import Path
 
@@ -250,7 +251,12 @@ def test_rows_that_are_kept_are_not_run_and_those_of_other_options_are_refused(w
     assert again.json["outlets"] == table["outlets"]
     assert not list(tmp_path.glob("*-seed*"))
     assert read_results(file)[0]["kept"].startswith("1 rows of ")
-    assert_refused(silo2d(*words, "--drop", "1 mm"), f"--add: {file} was made by", "same options")
+    for other in (("--drop", "1 mm"), ("--largest", "900"), ("--mu-wall", "0.3")):
+        assert_refused(silo2d(*words, *other), f"--add: {file} was made by", "another silo")
+    text = file.read_text()
+    file.write_text(re.sub(r"# case: .*\n", "", text))  # as versions before wrote it
+    assert silo2d(*words, "--dry-run").code == 0
+    assert_refused(silo2d(*words, "--largest", "900", "--dry-run"), "another silo")
 
 
 def test_cost_is_told_before(tmp_path):

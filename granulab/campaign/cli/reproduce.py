@@ -210,8 +210,8 @@ def _of_labelled_runs(
     return given
 
 
-def rows_there(file: Path, simulator: "Simulator") -> tuple[str, list[Row], list[str]]:
-    """Command and done rows of a CSV file of results, and a line on where they are from.
+def rows_there(file: Path, simulator: "Simulator") -> tuple[dict[str, str], list[Row], list[str]]:
+    """Head and done rows of a CSV file of results, and a line on where they are from.
 
     Nothing where there is no such file; FolderError where it is damaged.
     """
@@ -220,7 +220,7 @@ def rows_there(file: Path, simulator: "Simulator") -> tuple[str, list[Row], list
     from granulab.campaign.runs.provenance import to_stderr
 
     if not file.exists():
-        return "", [], []
+        return {}, [], []
     made, rows = read_results(file)
     rows = done(rows)
     sources = made.get("versions", "").rpartition("sources ")[2] or "unknown sources"
@@ -229,4 +229,4 @@ def rows_there(file: Path, simulator: "Simulator") -> tuple[str, list[Row], list
         to_stderr(f"{file}: {words}, are kept, which another version of the sources made")
     earlier = made.get("kept")
     kept = f"kept: {words}" + (f"; of these {earlier}" if earlier else "")
-    return made.get("command", ""), rows, [kept]
+    return made, rows, [kept]

@@ -232,7 +232,8 @@ def interruptible() -> Iterator[Callable[[], bool]]:
     KeyboardInterrupt; where nobody looks in half a second, that is raised at once. Where Ctrl-C
     has another meaning (within a command, in a worker, in a thread), nothing changes.
     """
-    if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+    here = threading.current_thread() is threading.main_thread()
+    if not here or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         yield lambda: False
         return
     StopRequest.interrupted = False
