@@ -14,7 +14,6 @@ with the exit code, which makes that of this script 1.
 import argparse
 import csv
 import os
-import re
 import shlex
 import shutil
 import signal
@@ -25,20 +24,19 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-sys.path[:0] = [str(ROOT / "docs"), str(ROOT / "tests" / "docs")]
+sys.path[:0] = [str(ROOT / name) for name in ("docs", "tests/docs", "tests/helpers")]
+from pages import files_of, plain_environment  # noqa: E402
 from test_commands_of_pages import PAGES, commands  # noqa: E402
 
 COLUMNS = ("page", "command", "end", "lasts_s")
 LIMIT = 60  # [s]
 MANY = ("sweep", "clog", "map", "design", "field", "compress", "shear")  # runs of a command
 FIRST = ("silo2d run A2 --no-figures", "damper3d run --cycles 5 --discard 2 --no-figures")
-FILE = re.compile(r"Write `([^`]+)`:\n+```\w*\n(.*?)```|`([\w.]+)`:\n\n```\w+\n(.*?)```", re.DOTALL)
 
 
 def run(words: list[str], folder: Path) -> tuple[str, float]:
     """How a command ends, and for how long it goes on [s]; with it end the processes it began."""
-    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "BROWSER": "true",
-                   "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}  # fmt: skip
+    environment = plain_environment() | {"OPENBLAS_NUM_THREADS": "1", "BROWSER": "true"}
     began = time.monotonic()
     with subprocess.Popen(
         words, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
@@ -62,10 +60,8 @@ def of_page(page: str, own: list[list[str]], begun: Path, folder: Path) -> list[
     """A row for each command of a page, run in a copy of the folder that was begun."""
     shutil.copytree(begun, folder, symlinks=True)
     if (ROOT / page).is_file():
-        for found in FILE.findall((ROOT / page).read_text(encoding="utf-8")):
-            name, text = (found[0], found[1]) if found[0] else (found[2], found[3])
-            if "/" not in name:
-                (folder / name).write_text(text, encoding="utf-8")
+        for name, text in files_of((ROOT / page).read_text(encoding="utf-8")).items():
+            (folder / name).write_text(text, encoding="utf-8")
     rows = []
     for words in own:
         kind = "A2" if words[0] == "silo2d" else "thesis"

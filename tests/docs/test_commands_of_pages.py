@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 import pytest
+from pages import commands_of
 from picture import PICTURES, recipes
 
 ROOT = Path(__file__).parents[2]
@@ -18,18 +19,12 @@ PROGRAMS = {
     "calibrate": "calibration.commands.main",
     "granulab": "granulab.studio.main",
 }
-# Indented or behind a prompt, and gone on with behind a backslash.
-SHOWN = re.compile(rf"^(?: {{4,}}|\$ )((?:{'|'.join(PROGRAMS)}) (?:.*\\\n)*.*)$", re.MULTILINE)
 
 
 def commands():
     """The page and words of each command; of one in which something is left out, none."""
     for page in PAGES:
-        for shown in SHOWN.findall(page.read_text(encoding="utf-8")):
-            one_line = re.sub(r"\s*\\\n\s*", " ", shown)
-            words = shlex.split(re.split(r" {2,}", one_line)[0], comments=True)
-            ends = [k for k, word in enumerate(words) if word in ("|", ">", "&&", ";", "||")]
-            words = words[: ends[0]] if ends else words
+        for words in commands_of(page.read_text(encoding="utf-8")):
             if not re.search(r"\.\.\.|\[|<", " ".join(words)):
                 yield page.relative_to(ROOT), words
     for name, recipe in recipes().items():

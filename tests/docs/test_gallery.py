@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from pages import plain_environment
 from test_pages_of_first_steps import lacking
 
 from granulab.contact.files.datafile import data_root
@@ -60,12 +61,11 @@ def test_a_script_has_title_command_figure_and_assertion(path):
 @pytest.mark.parametrize("path", SCRIPTS, ids=NAMES)
 def test_commands_of_a_script_print_what_stands_there(path, tmp_path):
     docstring = ast.get_docstring(tree_of(path))
-    binaries = Path(sys.executable).parent
-    kept = {"PATH": f"{binaries}:/usr/bin:/bin", "MPLBACKEND": "Agg"}
+    environment = os.environ | plain_environment() | {"MPLBACKEND": "Agg"}
 
     def run(command):
         ended = subprocess.run(
-            command, shell=True, cwd=tmp_path, env=os.environ | kept, capture_output=True,
+            command, shell=True, cwd=tmp_path, env=environment, capture_output=True,
             text=True, check=False,
         )  # fmt: skip
         assert ended.returncode == 0, f"{command}\n{ended.stdout}{ended.stderr}"

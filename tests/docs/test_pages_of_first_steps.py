@@ -7,14 +7,13 @@ packing is another draw of its kind (docs/runs/folders.md); printed in the same 
 compared one by one.
 """
 
-import os
 import re
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from pages import plain_environment
 
 from granulab.contact.files.datafile import data_root
 
@@ -98,9 +97,6 @@ def test_first_change_goes_as_it_stands(tmp_path):
 
 def go_through(page, tmp_path, **environment):
     """Write the files of a page and run its commands in a folder; each prints its lines."""
-    binaries = Path(sys.executable).parent
-    # Nothing else of the environment: settings of BLAS change roundings, and so the packing.
-    plain = {"PATH": f"{binaries}:{os.environ['PATH']}", "HOME": str(Path.home())}
     done = steps((DOCS / page).read_text(encoding="utf-8"))
     assert any(kind == "command" for kind, _, _ in done)
     for kind, what, content in done:
@@ -110,7 +106,7 @@ def go_through(page, tmp_path, **environment):
         command = what.replace("DATA/", f"{data_root()}/")
         ended = subprocess.run(
             command, shell=True, cwd=tmp_path, capture_output=True, text=True, check=False,
-            env=plain | environment,
+            env=plain_environment() | environment,
         )  # fmt: skip
         refused = bool(content) and content[0].startswith(f"{what.split()[0]}: ")
         assert (ended.returncode == 2) is refused, f"{what}\n{ended.stdout}{ended.stderr}"

@@ -1,7 +1,6 @@
 """The ways from measurements to a simulation that the docs go, gone."""
 
 import re
-import shlex
 import subprocess
 import sys
 import tomllib
@@ -10,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from calibrating import calibrate
+from pages import commands_of, files_of
 from refusals import assert_refused
 from small_damper import damper3d
 from small_silo import silo2d
@@ -20,14 +20,6 @@ ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs/laboratory/overview.md").read_text()
 OWN = (ROOT / "docs/start/own-case.md").read_text()
 COMMANDS = {"calibrate": calibrate, "silo2d": silo2d, "damper3d": damper3d}
-_COMMAND = r"^    ((?:calibrate|silo2d|damper3d) (?:.*\\\n)*.*)$"
-_FILE = r"`([\w.]+)`:\n\n```\w+\n(.*?)```"
-
-
-def commands(page=PAGE):
-    """The lines of a page that are commands, each in words."""
-    shown = re.findall(_COMMAND, page, re.MULTILINE)
-    return [shlex.split(text.replace("\\\n", " ")) for text in shown]
 
 
 @pytest.fixture
@@ -48,7 +40,7 @@ def test_the_page_goes_from_measurements_to_a_simulation(at_the_top):
     and the restitution and modulus of docs/examples/wood/made.py.
     """
     said = ""
-    for program, *words in commands():
+    for program, *words in commands_of(PAGE):
         if program == "silo2d" and "--dry-run" not in words:
             continue
         result = COMMANDS[program](*words)
@@ -77,9 +69,9 @@ def test_a_run_of_ones_own_begins_in_an_empty_folder(tmp_path, monkeypatch):
     """
     monkeypatch.chdir(tmp_path)
     Path("drop.mp4").write_bytes(data_file("media", "drop").read_bytes())
-    for name, text in re.findall(_FILE, OWN, re.DOTALL):
+    for name, text in files_of(OWN).items():
         Path(name).write_text(text)
-    for program, *words in commands(OWN):
+    for program, *words in commands_of(OWN):
         if "steel" in words:
             assert_refused(COMMANDS[program](*words), "[material.beech] density [g/cm3], length")
             continue
