@@ -9,9 +9,10 @@ from damper3d.case.contacts import Pairing
 from damper3d.case.oscillation import DEEPEST
 from damper3d.case.parameters import SAFE_SHARE
 from damper3d.engine.records import CLASSES
+from damper3d.engine.world import parts_of
 from granulab.campaign.output import room
 
-# On one core of a server of 2020, of a particle and step [s] (benchmarks/damper.py and clusters.py;
+# On one core of a server of 2020, of a particle and step [s] (`make bench`;
 # the runs that those of several spheres were fitted to stand in docs/damper/shapes.md).
 _OF_A_SPHERE = 4e-8
 _OF_A_PARTICLE, _OF_A_SUB_SPHERE = 1.2e-7, 3.6e-9
@@ -51,6 +52,11 @@ def expected_cpu_of_step(case: DamperCase) -> float:
     if not case.of_spheres:
         each = _OF_A_PARTICLE + _OF_A_SUB_SPHERE * float(case.sub_spheres.mean())
     return each * case.all_particles
+
+
+def most_threads(case: DamperCase) -> int:
+    """Return how many threads can share a step, but for what shared.steps.one_thread_only names."""
+    return 1 if case.dampers else len(parts_of(case.count, not case.of_spheres)) - 1
 
 
 def expected_stages(case: DamperCase) -> dict[str, float]:

@@ -17,7 +17,7 @@ from granulab.campaign.cli.run import Runnable, run_case, run_options
 def run(
     case: str | None, material: str | None, cycles_in_film: int | None, out: str,
     resume: str | None, again: bool, dry_run: bool, no_figures: bool, page: bool, quiet: bool,
-    as_json: bool,
+    as_json: bool, threads: int | None,
     **options: Any,
 ) -> None:  # fmt: skip
     """Shake a granular damper and measure the energy that it dissipates.
@@ -47,5 +47,5 @@ def run(
     runnable = Runnable(loaded, DAMPER, protocol, plan, echo, report, sketch, draw, player)
     run_case(
         runnable, out=out, resume=resume, again=again, dry_run=dry_run, no_figures=no_figures,
-        page=page, quiet=quiet, as_json=as_json,
+        page=page, quiet=quiet, as_json=as_json, threads=threads,
     )  # fmt: skip

@@ -10,12 +10,14 @@ step, so that no velocity need be gathered twice.
 """
 
 import numpy as np
+from numba import types
 
 from damper3d.engine.geometry import between_spheres, entry, put, vector
 from damper3d.engine.kinds import find_at_wall, find_pairs
 from damper3d.engine.laws.rolling import roll
 from damper3d.engine.laws.table import face_wall, halo, law_of, normal_force, note_laws, tear
 from damper3d.engine.motions.turning import count_turning, turn_wall
+from damper3d.engine.shared.results import keep_results
 from damper3d.engine.simd import add_loads, gather, keep_history, whole
 from damper3d.engine.state import (
     BEGUN,
@@ -50,40 +52,60 @@ from granulab.contact.hertz import (
     spring_work,
     with_history,
 )
-from granulab.contact.jit import inlined_inner, inner
+from granulab.contact.jit import inlined_inner, inner, specialised
 from granulab.contact.vectors import add, cross, dot, scale
+
+NOTHING = 0.0, 0.0, 0.0, 0.0, 0.0  # sums by mechanism, see add_dissipated
 
 
 @inlined_inner
 def apply_forces(world, shift, speed):
     """All contact forces of this step and the energy balance; shift and speed are the enclosure's.
 
-    The balance is summed over all blocks of a class in the order of the list.
+    The balance is summed over all blocks of a part, or of the walls, in the order of the list.
     """
-    spheres, walls, block, balance = world.spheres, world.walls, world.block, world.balance
-    sums = 0.0, 0.0, 0.0, 0.0, 0.0
-    n_touching = find_pairs(world)
-    for begin in range(np.int64(0), n_touching, BLOCK):
-        n = min(n_touching - begin, BLOCK)
-        gather(spheres, world.inner, begin, n, block)
-        between_spheres(whole(n), block)
-        note_laws(world.pair_law, world.inner, begin, n, block, 2.0 * halo(world.pair_law))
-        sums = push_and_count(world, world.pair_law, world.inner, begin, n, 0, sums)
+    spheres, walls, balance = world.spheres, world.walls, world.balance
+    sums = NOTHING
+    for part in range(len(world.parts) - 1):
+        sums = added(sums, push_pairs(world, part)[1])
     add_to_balance(balance, 0, sums, world.time_step)
-    sums = 0.0, 0.0, 0.0, 0.0, 0.0
+    sums = NOTHING
     for w in range(len(walls.force)):
         place_wall(spheres, walls, w, shift, speed)
         face_wall(world.wall_law, w)
-        n_touching = find_at_wall(world, w)
-        for begin in range(np.int64(0), n_touching, BLOCK):
-            n = min(n_touching - begin, BLOCK)
-            meet_wall(spheres, walls, world.wall, w, begin, n, block)
-            turn_wall(world, n, block)
-            note_laws(world.wall_law, world.wall, begin, n, block, halo(world.wall_law))
-            sums = push_and_count(world, world.wall_law, world.wall, begin, n, 1, sums)
-            count_turning(world, n, block)
+        _, sums = push_at_wall(world, w, walls.first[w], walls.first[w + 1], sums)
         balance[WALL_WORK] -= world.time_step * take_push(spheres, walls.force[w])
     add_to_balance(balance, N_MECHANISMS, sums, world.time_step)
+
+
+@inlined_inner
+def push_pairs(world, part):
+    """Forces of the pairs of a part; where those that touch end, and what they dissipate."""
+    block, sums = world.block, NOTHING
+    first = world.first_pair[part]
+    end = find_pairs(world, first, world.first_pair[part + 1])
+    for begin in range(first, end, BLOCK):
+        n = min(end - begin, BLOCK)
+        gather(world.spheres, world.inner, begin, n, block)
+        between_spheres(whole(n), block)
+        note_laws(world.pair_law, world.inner, begin, n, block, 2.0 * halo(world.pair_law))
+        sums = push_and_count(world, world.pair_law, world.inner, begin, n, 0, sums)
+    return end, sums
+
+
+@inlined_inner
+def push_at_wall(world, w, first, last, sums):
+    """Forces of contacts first ... last - 1, with wall w; where those that touch end, the sums."""
+    block = world.block
+    end = find_at_wall(world, w, first, last)
+    for begin in range(first, end, BLOCK):
+        n = min(end - begin, BLOCK)
+        meet_wall(world.spheres, world.walls, world.wall, w, begin, n, block)
+        turn_wall(world, n, block)
+        note_laws(world.wall_law, world.wall, begin, n, block, halo(world.wall_law))
+        sums = push_and_count(world, world.wall_law, world.wall, begin, n, 1, sums)
+        count_turning(world, n, block)
+    return end, sums
 
 
 @inlined_inner
@@ -107,12 +129,34 @@ def take_push(spheres, force):
 
 @inlined_inner
 def push_and_count(world, law, contacts, begin, n_contacts, which, sums):
-    """Add the forces of a block of a class, 0 or 1, to their spheres; the sums with theirs."""
-    block, dt = world.block, world.time_step
-    contact_law(law, whole(n_contacts), block, dt)
+    """Hand on the forces of a block of a class, 0 or 1, to their spheres; the sums with theirs."""
+    block = world.block
+    contact_law(law, whole(n_contacts), block, world.time_step)
     begin_contacts(law, n_contacts, block, world.impacts[which])
     keep_history(contacts, begin, n_contacts, block)
-    add_loads(world.spheres, contacts, begin, n_contacts, block)
+    return hand_on(world, law, contacts, begin, n_contacts, which, sums)
+
+
+def hand_on(world, law, contacts, begin, n_contacts, which, sums):
+    """Add the forces of a block to their spheres, or keep them for threads that will."""
+
+
+@specialised(hand_on)
+def _hand_on(world, law, contacts, begin, n_contacts, which, sums):
+    if isinstance(world[world.fields.index("results")], types.NoneType):
+        return lambda world, law, contacts, begin, n_contacts, which, sums: add_at_once(
+            world, law, contacts, begin, n_contacts, sums
+        )
+    return lambda world, law, contacts, begin, n_contacts, which, sums: keep_results(
+        world, contacts, begin, n_contacts, which, sums
+    )
+
+
+@inlined_inner
+def add_at_once(world, law, contacts, begin, n_contacts, sums):
+    """Add the forces of a block, and what its contacts lose, to their spheres."""
+    block, dt = world.block, world.time_step
+    add_loads(world.spheres, contacts.i, contacts.j, contacts.touching, begin, n_contacts, block)
     heat = world.particles.dissipated
     sums = add_dissipated(heat, contacts, begin, n_contacts, block, dt, sums)
     sums = roll(law, world.spheres, contacts, begin, n_contacts, block, dt, heat, sums)
@@ -223,6 +267,12 @@ def add_dissipated(dissipated, contacts, begin, n_contacts, block, dt, sums):
             stiffness_work += block.stiffness_work[k]
             slipped += block.slip_power[k]
     return normal, tangential, friction_work, stiffness_work, slipped
+
+
+@inlined_inner
+def added(a, b):
+    """Sums by mechanism, of two."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4] + b[4]
 
 
 @inlined_inner

@@ -30,15 +30,6 @@ def entry(row, k):
 
 
 @uncounted
-def gap_of(position, i, j):
-    """Distance of the surfaces of two spheres [m]; negative where they overlap."""
-    dx = position[j, 0] - position[i, 0]
-    dy = position[j, 1] - position[i, 1]
-    dz = position[j, 2] - position[i, 2]
-    return np.sqrt(dx * dx + dy * dy + dz * dz) - (position[i, 3] + position[j, 3])
-
-
-@uncounted
 def vector(rows, k):
     """The vector in lane k of three rows of a block."""
     return rows[entry(0, k)], rows[entry(1, k)], rows[entry(2, k)]
@@ -93,11 +84,14 @@ def wall_contact(normal, distance, block, k):
 
 
 @inlined
-def touching_pairs(spheres, contacts, n_contacts, block):
-    """Return how many of the first contacts of a list touch; `touching` names them."""
-    found = np.int64(0)  # a typed number: numba would compile the passes once more for a literal
-    for begin in range(np.int64(0), n_contacts, BLOCK):
-        n = min(n_contacts - begin, BLOCK)
+def touching_pairs(spheres, contacts, first, last, block):
+    """Let `touching` name, from `first` on, those of contacts first ... last - 1 that touch.
+
+    Returns where they end.
+    """
+    found = first
+    for begin in range(first, last, BLOCK):
+        n = min(last - begin, BLOCK)
         separate(spheres, contacts, begin, n, block)
         for k in range(np.uintp(whole(n))):
             x, y, z = vector(block.separation, k)

@@ -39,7 +39,7 @@ def advance(world, n_steps):
         world.counts[STEP] += 1
         shift, speed = enclosure_at(world.shaker, direction, world.counts[STEP] * dt)
         drive_walls(world)
-        move(world, shift)
+        move(world, shift, np.int64(0), world.parts[-1])
     return n_steps, DONE
 
 
@@ -64,7 +64,7 @@ def advance_together(worlds, n_steps):
         for world in worlds:
             world.counts[STEP] += 1
             drive_walls(world)
-            move(world, place_now(world)[0])
+            move(world, place_now(world)[0], np.int64(0), world.parts[-1])
     return n_steps, outcome, which
 
 

@@ -11,7 +11,6 @@ from damper3d.engine.multisphere import motion as multisphere_motion
 from damper3d.engine.multisphere import pairs as multisphere_pairs
 from damper3d.engine.multisphere.particles import ManySpheres
 from damper3d.engine.spheres import motion, pairs
-from damper3d.engine.state import INNER
 from damper3d.engine.walls import touching_wall
 from granulab.contact.jit import specialised, substituted
 
@@ -65,16 +64,19 @@ def place_near_walls(world, skin, shift):
 # A step (forces.py, sampling.py, integrate.py).
 
 
-def find_pairs(world):
-    """Let `touching` of the inner list name the pairs that act; return their number."""
+def find_pairs(world, first, last):
+    """Let `touching` of the inner list name, from `first` on, those of its pairs that act.
+
+    Of pairs first ... last - 1; returns where they end.
+    """
 
 
-def find_at_wall(world, w):
-    """Let `touching` of the wall list name the contacts with wall w that act; their number."""
+def find_at_wall(world, w, first, last):
+    """Likewise of contacts first ... last - 1 of the wall list, which are with wall w."""
 
 
-def move(world, shift):
-    """Move the particles by one step; the enclosure is displaced by shift after it."""
+def move(world, shift, first, last):
+    """Move particles first ... last - 1 by a step; the enclosure is displaced by shift after it."""
 
 
 def mean_motion(world, shift, row):
@@ -161,26 +163,28 @@ def _place_near_walls(world, skin, shift):
 
 
 @substituted(find_pairs)
-def _find_pairs(world):
+def _find_pairs(world, first, last):
     if _rotate(world):
-        return lambda world: contact_models.acting_pairs(world)
-    return lambda world: touching_pairs(
-        world.spheres, world.inner, world.counts[INNER], world.block
+        return lambda world, first, last: contact_models.acting_pairs(world, first, last)
+    return lambda world, first, last: touching_pairs(
+        world.spheres, world.inner, first, last, world.block
     )
 
 
 @substituted(find_at_wall)
-def _find_at_wall(world, w):
+def _find_at_wall(world, w, first, last):
     if _rotate(world):
-        return lambda world, w: contact_models.acting_at_wall(world, w)
-    return lambda world, w: touching_wall(world.spheres, world.walls, world.wall, w, world.block)
+        return lambda world, w, first, last: contact_models.acting_at_wall(world, w, first, last)
+    return lambda world, w, first, last: touching_wall(
+        world.spheres, world.walls, world.wall, w, first, last, world.block
+    )
 
 
 @substituted(move)
-def _move(world, shift):
+def _move(world, shift, first, last):
     if _rotate(world):
-        return lambda world, shift: multisphere_motion.move(world, shift)
-    return lambda world, shift: motion.move(world, shift)
+        return lambda world, shift, first, last: multisphere_motion.move(world, shift, first, last)
+    return lambda world, shift, first, last: motion.move(world, shift, first, last)
 
 
 @substituted(mean_motion)

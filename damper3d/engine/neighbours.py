@@ -15,7 +15,7 @@ a list was made: what does not touch is not asked.
 import numpy as np
 
 from damper3d.engine.enclosures.places import keep_places, list_places
-from damper3d.engine.geometry import copy_rows, gap_of
+from damper3d.engine.geometry import copy_rows
 from damper3d.engine.kinds import (
     first_sphere,
     key_of,
@@ -92,28 +92,60 @@ def search_pairs(world, shift):
 
     Nothing is lost where a list is full: the caller makes it longer and comes back.
     """
+    left = begin_search(world)
+    if np.isnan(left):
+        return NOT_FINITE
+    if left < 0.0 and not search_outer(world, -left, shift):
+        return OUTER_FULL
+    return end_search(world, abs(left))
+
+
+@inner
+def begin_search(world):
+    """Give the inner list up; the gap below which all pairs of particles are in the outer list [m].
+
+    With a minus sign where that list is to be made first; NaN where a position is no longer a
+    finite number.
+    """
     counts, lengths, outer = world.counts, world.lengths, world.outer
     keep_histories(world)
     adapt(counts, lengths, INNER_SKIN, INNER_MADE, world.cells.largest)
     note_positions(world)
     left = outer_cutoff_left(outer.now, outer.made_at, lengths[OUTER_SKIN])
-    if not note_ways(world) or np.isnan(left):
-        return NOT_FINITE
+    if not note_ways(world):
+        return np.nan
     if left < lengths[INNER_SKIN]:
-        left = lengths[OUTER_SKIN] = outer_skin(world)
-        if not search_outer(world, left, shift):
-            lengths[OUTER_SKIN] = -1.0
-            return OUTER_FULL
+        lengths[OUTER_SKIN] = outer_skin(world)
+        return -lengths[OUTER_SKIN]
+    return left
+
+
+@inner
+def end_search(world, left):
+    """Make the inner list from the outer one; DONE, or why not. left: as begin_search gave it."""
+    counts, lengths = world.counts, world.lengths
     n = list_pairs(world, lengths[INNER_SKIN], left)
     if n < 0:
         return INNER_FULL if n == -1 else TOO_DEEP
     inherit_histories(world, n)
     counts[INNER] = n
+    note_parts(world)
     counts[INNER_SEARCHES] += 1
     counts[STALE_INNER] = 0
     counts[INNER_MADE] = counts[STEP]
     list_spheres(world, world.inner_seen)
     return DONE
+
+
+@inner
+def note_parts(world):
+    """Note where the pairs of each part begin in the inner list."""
+    i, n = world.inner.i, np.int64(0)
+    for part in range(len(world.parts)):
+        first = first_sphere(world.shape, world.parts[part])
+        while n < world.counts[INNER] and i[n] < first:
+            n += 1
+        world.first_pair[part] = n
 
 
 @inner
@@ -141,20 +173,44 @@ def outer_cutoff_left(x, place, skin):
 @inner
 def search_outer(world, skin, shift):
     """All pairs of particles, where they are now, with a gap below the skin; False: no room."""
-    outer, counts, x = world.outer, world.counts, world.outer.now
-    n_particles = len(x)
-    fill_cells(world.cells, x, n_particles, shift)
+    outer, n_particles = world.outer, np.int64(len(world.outer.now))
+    begin_outer(world, shift)
+    n = near_pairs(outer.i, outer.j, world.cells, outer.now, skin, np.int64(0), n_particles)
+    return know_outer(world, n)
+
+
+@inner
+def begin_outer(world, shift):
+    """Give the outer list up, and sort the particles into cells."""
     remember_pairs(world)
-    n = 0
-    for i in range(n_particles):
-        n = pairs_of(outer, world.cells, x, skin, i, n)
+    fill_cells(world.cells, world.outer.now, len(world.outer.now), shift)
+
+
+@inner
+def near_pairs(first, second, cells, x, skin, begin, end):
+    """Write all pairs of particles begin ... end - 1 and later ones, nearer than the skin.
+
+    How many there are, or -1 for no room in the lists first and second.
+    """
+    n = np.int64(0)
+    for i in range(begin, end):
+        n = pairs_of(first, second, cells, x, skin, i, n)
         if n < 0:
-            counts[OUTER] = 0
-            return False
+            return n
+    return n
+
+
+@inner
+def know_outer(world, n):
+    """Let the outer list be the n pairs that stand in it now; False if there was no room: -1."""
+    if n < 0:
+        world.counts[OUTER] = 0
+        world.lengths[OUTER_SKIN] = -1.0
+        return False
     know_pairs(world, n)
-    counts[OUTER] = n
-    copy_rows(outer.made_at, x)
-    counts[OUTER_SEARCHES] += 1
+    world.counts[OUTER] = n
+    copy_rows(world.outer.made_at, world.outer.now)
+    world.counts[OUTER_SEARCHES] += 1
     return True
 
 
@@ -175,36 +231,50 @@ def fill_cells(cells, x, n_particles, shift):
     for i in range(n_particles - 1, -1, -1):  # backwards: the particles of a cell ascend
         cell = cells.home[i]
         cells.start[cell + 1] -= 1
-        cells.members[cells.start[cell + 1]] = i
+        at = cells.start[cell + 1]
+        cells.members[at] = i
+        for d in range(4):
+            cells.place[at, d] = x[i, d]
 
 
 @uncounted
-def pairs_of(outer, cells, x, skin, i, n):
+def pairs_of(first, second, cells, x, skin, i, n):
     """Append the near pairs (i, j > i) in ascending order; the new length, or -1 for no room.
 
     After fill_cells the particles of a cell stand between its own entry of `start`, shifted by one,
     and the next.
     """
     nx, ny, nz = cells.shape
-    cell = cells.home[i]
+    cell, place = cells.home[i], cells.place
     a, b, c = cell % nx, (cell // nx) % ny, cell // (nx * ny)
+    x_i, y_i, z_i, reach = x[i, 0], x[i, 1], x[i, 2], skin + x[i, 3]
     begin = n
     for cc in range(max(c - 1, 0), min(c + 2, nz)):
         for bb in range(max(b - 1, 0), min(b + 2, ny)):
             row = (cc * ny + bb) * nx
-            first, last = row + max(a - 1, 0), row + min(a + 1, nx - 1)
-            for k in range(cells.start[first + 1], cells.start[last + 2]):
-                j = cells.members[k]
-                if j > i and gap_of(x, i, j) < skin:
-                    if n == len(outer.j):
-                        return -1
-                    at = n  # insertion: a particle has a handful of neighbours
-                    while at > begin and outer.j[at - 1] > j:
-                        outer.j[at] = outer.j[at - 1]
-                        at -= 1
-                    outer.i[n], outer.j[at] = i, j
-                    n += 1
+            low, high = row + max(a - 1, 0), row + min(a + 1, nx - 1)
+            if n + cells.start[high + 2] - cells.start[low + 1] >= len(second):
+                return np.int64(-1)
+            for k in range(np.uintp(cells.start[low + 1]), np.uintp(cells.start[high + 2])):
+                dx, dy, dz = place[k, 0] - x_i, place[k, 1] - y_i, place[k, 2] - z_i
+                most, j = reach + place[k, 3], cells.members[k]
+                second[n] = j  # each is written, and only counted where it is one of them
+                n += np.int64((dx * dx + dy * dy + dz * dz < most * most) & (j > i))
+    for at in range(begin, n):
+        first[at] = i
+    ascend(second, begin, n)
     return n
+
+
+@uncounted
+def ascend(numbers, begin, end):
+    """Sort a handful of numbers, by insertion."""
+    for n in range(begin + 1, end):
+        number, at = numbers[n], n
+        while at > begin and numbers[at - 1] > number:
+            numbers[at] = numbers[at - 1]
+            at -= 1
+        numbers[at] = number
 
 
 @inner

@@ -40,6 +40,7 @@ from damper3d.engine.state import (
     ELASTIC_TANGENTIAL,
     HERTZ,
     IMPACT_PP,
+    INNER,
     MASS,
     N_BALANCE,
     N_COLUMNS,
@@ -137,9 +138,9 @@ def elastic_energies(world, shift, speed, row):
     spheres, block, walls = world.spheres, world.block, world.walls
     row[ELASTIC_NORMAL] = row[ELASTIC_TANGENTIAL] = 0.0
     row[CONTACTS_PP] = row[CONTACTS_PW] = 0.0
-    n_touching = find_pairs(world)
-    for begin in range(np.int64(0), n_touching, BLOCK):
-        n = min(n_touching - begin, BLOCK)
+    end = find_pairs(world, np.int64(0), world.counts[INNER])
+    for begin in range(np.int64(0), end, BLOCK):
+        n = min(end - begin, BLOCK)
         gather(spheres, world.inner, begin, n, block)
         between_spheres(n, block)
         note_laws(world.pair_law, world.inner, begin, n, block, 2.0 * halo(world.pair_law))
@@ -147,9 +148,9 @@ def elastic_energies(world, shift, speed, row):
     for w in range(len(walls.force)):
         place_wall(spheres, walls, w, shift, speed)
         face_wall(world.wall_law, w)
-        n_touching = find_at_wall(world, w)
-        for begin in range(np.int64(0), n_touching, BLOCK):
-            n = min(n_touching - begin, BLOCK)
+        end = find_at_wall(world, w, walls.first[w], walls.first[w + 1])
+        for begin in range(walls.first[w], end, BLOCK):
+            n = min(end - begin, BLOCK)
             meet_wall(spheres, walls, world.wall, w, begin, n, block)
             turn_wall(world, n, block)
             note_laws(world.wall_law, world.wall, begin, n, block, halo(world.wall_law))
@@ -196,9 +197,9 @@ def list_contacts(world, particles, numbers):
     now = world.counts[STEP] * dt
     shift, speed = enclosure_at(world.shaker, world.direction, now)
     found = np.int64(0)
-    n_touching = find_pairs(world)
-    for begin in range(np.int64(0), n_touching, BLOCK):
-        n = min(n_touching - begin, BLOCK)
+    end = find_pairs(world, np.int64(0), world.counts[INNER])
+    for begin in range(np.int64(0), end, BLOCK):
+        n = min(end - begin, BLOCK)
         gather(spheres, world.inner, begin, n, block)
         between_spheres(n, block)
         reach = 2.0 * halo(world.pair_law)
@@ -210,9 +211,9 @@ def list_contacts(world, particles, numbers):
     for w in range(len(walls.force)):
         place_wall(spheres, walls, w, shift, speed)
         face_wall(world.wall_law, w)
-        n_touching = find_at_wall(world, w)
-        for begin in range(np.int64(0), n_touching, BLOCK):
-            n = min(n_touching - begin, BLOCK)
+        end = find_at_wall(world, w, walls.first[w], walls.first[w + 1])
+        for begin in range(walls.first[w], end, BLOCK):
+            n = min(end - begin, BLOCK)
             meet_wall(spheres, walls, world.wall, w, begin, n, block)
             turn_wall(world, n, block)
             reach = halo(world.wall_law)

@@ -297,22 +297,23 @@ def _add_four(typingctx, force, torque, i, j, touching, push, couple, arm_i, arm
 
 
 @inlined
-def add_loads(spheres, contacts, begin, n_contacts, block):
-    """Add the forces of a block, and their torques about the centres, to its spheres i and j.
+def add_loads(spheres, to_i, to_j, touching, begin, n_contacts, block):
+    """Add the forces of a block, and their torques about the centres, to rows to_i and to_j.
 
-    In the order of the list. The force push acts on j and its opposite on i, at the distances arm_i
+    Those of its spheres i and j, or where several threads share a step some that nobody reads. In
+    the order of the list. The force push acts on j and its opposite on i, at the distances arm_i
     and arm_j from the centres; couple is normal x push.
     """
     force, torque = spheres.force, spheres.torque
     fours = n_contacts - n_contacts % 4
     for k in range(np.int64(0), fours, 4):
         _add_four(
-            force, torque, contacts.i, contacts.j, contacts.touching, block.push, block.couple,
-            block.arm_i, block.arm_j, begin, k,
+            force, torque, to_i, to_j, touching, block.push, block.couple, block.arm_i,
+            block.arm_j, begin, k,
         )  # fmt: skip
     for k in range(fours, n_contacts):
-        n = contacts.touching[begin + k]
-        i, j = contacts.i[n], contacts.j[n]
+        n = touching[begin + k]
+        i, j = to_i[n], to_j[n]
         for c in range(3):
             force[i, c] -= block.push[c * BLOCK + k]
             force[j, c] += block.push[c * BLOCK + k]

@@ -10,6 +10,7 @@ from damper3d.engine.integrate import advance, advance_together, enclosure_at, s
 from damper3d.engine.motions import Turning, host
 from damper3d.engine.multisphere.form import key_of_pair
 from damper3d.engine.records import CLASSES, IMPACTS, MECHANISMS
+from damper3d.engine.shared.steps import SharedSteps, one_thread_only
 from damper3d.engine.state import (
     DONE,
     INNER_FULL,
@@ -21,6 +22,7 @@ from damper3d.engine.state import (
 )
 from damper3d.engine.walls import put_back
 from damper3d.engine.world import kind_of, lengthened
+from granulab.contact.compiled.threads import Crew
 from granulab.errors import SimulationError
 
 _AT_A_TIME = 5_000_000  # spheres times steps of a call of the kernels: some tenths of a second
@@ -69,6 +71,8 @@ class Simulation:
         self._kind = kind_of(world)
         self._first = self._kind.first_sphere_of_each(world)
         self._counts_impacts = True  # but in a run that an earlier version began
+        self._crew: Crew | None = None
+        self._shared: SharedSteps | None = None
 
     @property
     def n_particles(self) -> int:
@@ -113,14 +117,38 @@ class Simulation:
                 self.end_sample(rows[done], 0)
                 done += 1
                 continue
-            filled, over, outcome = sampling.advance_sampling(
-                self.world, self.steps_per_sample, rows[done : done + at_a_time]
-            )
+            filled, over, outcome = self._fill(rows[done : done + at_a_time])
             done += filled
             if outcome != DONE:  # in the middle of a sample: make room, and go on to its end
                 self.answer(outcome)
                 self.end_sample(rows[done], over)
                 done += 1
+
+    def share(self, n_threads: int) -> int:
+        """Let so many threads share the steps from now on; how many do, with the same bits.
+
+        Not more than the bed has parts, and one where something in it keeps the others out
+        (shared.steps.one_thread_only).
+        """
+        n_threads = min(n_threads, len(self.world.parts) - 1)
+        if one_thread_only(self.world):
+            n_threads = 1
+        self._crew, self._shared = Crew(n_threads) if n_threads > 1 else None, None
+        return n_threads
+
+    def _by_threads(self) -> SharedSteps:
+        """Return what shares the steps of the world as it is now."""
+        if self._shared is None or self._shared.world is not self.world:
+            self._shared = SharedSteps(self.world, self._crew, self._first)
+        return self._shared
+
+    def _fill(self, rows: np.ndarray) -> tuple[int, int, int]:
+        if self._crew:
+            return self._by_threads().fill(self.steps_per_sample, rows)
+        return sampling.advance_sampling(self.world, self.steps_per_sample, rows)
+
+    def _advance(self, n_steps: int) -> tuple[int, int]:
+        return self._by_threads().step(n_steps) if self._crew else advance(self.world, n_steps)
 
     def room(self, n_samples: int) -> np.ndarray:
         """Room for samples."""
@@ -169,7 +197,7 @@ class Simulation:
         """Go on for a number of steps; raises as run does."""
         at_a_time = self.steps_at_a_time()
         while n_steps:
-            taken, outcome = advance(self.world, min(n_steps, at_a_time))
+            taken, outcome = self._advance(min(n_steps, at_a_time))
             n_steps -= taken
             if outcome != DONE:
                 self.answer(outcome)
@@ -183,7 +211,7 @@ class Simulation:
 
     def compile(self) -> None:
         """Compile or load the kernels now, so that their time is not taken for a step's."""
-        sampling.advance_sampling(self.world, self.steps_per_sample, self.room(0))
+        self._fill(self.room(0))
 
     def refresh(self) -> None:
         """Make stale lists again now."""

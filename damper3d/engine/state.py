@@ -6,6 +6,10 @@ centre (spheres/), or multi-sphere particles, all alike, that rotate (multispher
 in rows of four numbers; the fourth of a position is the radius, so that one load brings all, that
 of others stays zero.
 
+Particles that follow one another are a part, and the pairs whose first particle is in it are the
+part's. What is summed over all pairs is summed by parts: the sums are the same to the last bit
+however many threads work on the parts (shared/steps.py). A small bed is one part.
+
 Positions and velocities are those of the laboratory: the enclosure's own frame (its bottom's
 centre is the origin, z its axis) plus the displacement of the enclosure.
 """
@@ -60,6 +64,8 @@ FASTEST, BEGUN, BEYOND, YIELD = range(4)
 
 BLOCK = 32  # contacts that the force pass works on at once: what it finds stays in the first cache
 
+UNREAD = 256  # rows of force and torque, two in a line of the cache for each thread
+
 LANES = 8  # the vectorised passes go on to a whole number of these: the lists have as much room
 
 _LINE = 8  # numbers in a line of the cache
@@ -89,8 +95,8 @@ class Spheres(NamedTuple):
     position: np.ndarray  # centre [m], radius [m]
     velocity: np.ndarray  # of the centre, extrapolated to the time of the position [m/s]
     angular_velocity: np.ndarray  # of the particle, likewise [rad/s]
-    force: np.ndarray  # [N]
-    torque: np.ndarray  # about the sphere's centre [N m]
+    force: np.ndarray  # [N]; with UNREAD rows more, which take what nobody shall read
+    torque: np.ndarray  # about the sphere's centre [N m]; likewise
     inverse_mass: np.ndarray  # (m,) of the particle [1/kg]
 
 
@@ -187,6 +193,7 @@ class Cells(NamedTuple):
 
     start: np.ndarray  # (n_cells + 2,) where the particles of a cell begin is entry cell + 1
     members: np.ndarray  # (n,) numbers of particles, cell by cell
+    place: np.ndarray  # (n, 4) and their positions and bounding radii, in that order [m]
     home: np.ndarray  # (n,) cell of each particle
     size: float  # [m]
     shape: tuple[int, int, int]
@@ -210,6 +217,8 @@ class World(NamedTuple):
     walls: Walls
     block: Block
     counts: np.ndarray  # (N_COUNTS,) int64
+    parts: np.ndarray  # (n_parts + 1,) where the particles of each part begin
+    first_pair: np.ndarray  # (n_parts + 1,) where its pairs begin in the inner list
     balance: np.ndarray  # (N_BALANCE,) [J]
     impacts: np.ndarray  # (2, 4) of each class, see FASTEST
     lengths: np.ndarray  # (N_LENGTHS,) [m]
@@ -219,3 +228,4 @@ class World(NamedTuple):
     direction: np.ndarray  # (4,) unit vector of the enclosure's motion
     gravity: np.ndarray  # (4,) [m/s2]
     time_step: float  # [s]
+    results: Any = None  # shared.results.Results where several threads share a step

@@ -66,8 +66,11 @@ def with_wall(walls, contacts, w, begin, n_contacts, block):
     """Geometry of contacts of spheres with wall w in the first lanes of a block."""
 
 
-def touching_wall(spheres, walls, contacts, w, block):
-    """Let `touching` name the listed contacts with wall w that touch it; how many there are."""
+def touching_wall(spheres, walls, contacts, w, first, last, block):
+    """Let `touching` name, from `first` on, those of contacts first ... last - 1 that touch wall w.
+
+    Returns where they end.
+    """
 
 
 def drive_walls(world):
@@ -213,21 +216,21 @@ def clear_of_wall(walls, w, contacts, begin, n_contacts, block):
 
 
 @specialised(touching_wall)
-def _touching_wall(spheres, walls, contacts, w, block):
+def _touching_wall(spheres, walls, contacts, w, first, last, block):
     if is_triangulated(walls):
-        return lambda spheres, walls, contacts, w, block: touching_places(
-            spheres, walls, contacts, w
+        return lambda spheres, walls, contacts, w, first, last, block: touching_places(
+            spheres, walls, contacts, first, last
         )
-    return lambda spheres, walls, contacts, w, block: _touching_one_wall(
-        spheres, walls, contacts, w, block
+    return lambda spheres, walls, contacts, w, first, last, block: _touching_one_wall(
+        spheres, walls, contacts, w, first, last, block
     )
 
 
 @inlined
-def _touching_one_wall(spheres, walls, contacts, w, block):
-    found = np.int64(0)
-    for begin in range(walls.first[w], walls.first[w + 1], BLOCK):
-        n = min(walls.first[w + 1] - begin, BLOCK)
+def _touching_one_wall(spheres, walls, contacts, w, first, last, block):
+    found = first
+    for begin in range(first, last, BLOCK):
+        n = min(last - begin, BLOCK)
         separate(spheres, contacts, begin, n, block)
         clear_of_wall(walls, w, contacts, begin, whole(n), block)
         found = note_touching(contacts, begin, n, block, found)

@@ -30,6 +30,9 @@ from damper3d.engine.state import (
 from granulab.contact.hertz import HertzLaw
 
 _FIRST_SKIN = 0.01  # inner skin over the largest radius, before it follows the speed
+# Particles of a part at least, twice as many at most; of spheres, and of such with many. A bed of
+# fewer than _WHOLE spheres is one part: its sums stay as they were before there were parts.
+_PART_OF_SPHERES, _PART_OF_MANY, _WHOLE = 64, 8, 512
 _WIDEST_OUTER_SKIN = 0.3  # of the outer skin over the bounding radius, for which cells are made
 
 # Shape, particles, spheres; the largest radius of a sphere round a particle; capacities of lists.
@@ -66,12 +69,12 @@ def build_world(
     """
     n = len(positions)
     if isinstance(particle, np.ndarray):
-        halo = getattr(pair_law, "halo", 0.0)
-        made = _one_sphere_each(positions, particle, density, halo)
+        made = _one_sphere_each(positions, particle, density, getattr(pair_law, "halo", 0.0))
     else:
         made = _many_spheres_each(positions, orientations, particle, density, treatment)
     shape, particles, spheres, bounding, room = made
     largest, m = float(spheres.position[:, 3].max()), len(spheres.inverse_mass)
+    parts = parts_of(n, many=not isinstance(particle, np.ndarray))
     built = World(
         shape=shape,
         particles=particles,
@@ -81,6 +84,8 @@ def build_world(
         walls=walls_of(enclosure, m, curved_wall, bounding, rolls(wall_law)),
         block=block(),
         counts=_first_counts(),
+        parts=parts,
+        first_pair=np.zeros(len(parts), np.int64),
         balance=np.zeros(state.N_BALANCE),
         impacts=np.column_stack([np.zeros((2, state.YIELD)), yields]),
         lengths=_first_skins(largest),
@@ -181,8 +186,11 @@ def _refilled(new: Any, old: Any) -> Any:
 def _spheres(radii: np.ndarray, inverse_mass: np.ndarray) -> Spheres:
     """Spheres at the origin and at rest; inverse_mass (m,) is that of the particle of each."""
     m = len(radii)
-    rows = ("position", "velocity", "angular_velocity", "force", "torque")
-    spheres = Spheres(**{name: zeros(m + 1, 4) for name in rows}, inverse_mass=inverse_mass)
+    spheres = Spheres(
+        *(zeros(m + 1, 4) for _ in range(3)),
+        *(zeros(m + 1 + state.UNREAD, 4) for _ in range(2)),
+        inverse_mass=inverse_mass,
+    )
     spheres.position[:m, 3] = radii
     return spheres
 
@@ -205,6 +213,16 @@ def walls_of(enclosure: Enclosure, m: int, curved: bool, bounding: float, rollin
         history=no_history(PLACES if isinstance(surface, Triangles) else n_walls, m),
         rolling=zeros(n_walls * m, state.N_ROLLING) if rolling else None,
     )
+
+
+def parts_of(n: int, many: bool) -> np.ndarray:
+    """Bounds of the parts of n particles (n_parts + 1,); many: each has many spheres.
+
+    The number of parts is a power of two, so that 2, 4, 8 threads have as many each.
+    """
+    most = n // _PART_OF_MANY if many else n // _PART_OF_SPHERES * (n >= _WHOLE)
+    n_parts = 1 << max(most.bit_length() - 1, 0)
+    return np.arange(n_parts + 1) * n // n_parts
 
 
 def _first_counts() -> np.ndarray:
@@ -235,6 +253,7 @@ def _cells_over(enclosure: Enclosure, n: int, bounding: float, largest: float) -
     return Cells(
         start=np.zeros(a * b * c + 2, np.int64),
         members=np.zeros(n, np.int64),
+        place=zeros(n, 4),
         home=np.zeros(n, np.int64),
         size=size,
         shape=(a, b, c),

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from damper3d.case.case import GRAVITY, DamperCase
+from damper3d.case.plan import expected_cpu_of_step
 from damper3d.engine.growth.multisphere import grow_clusters, random_places
 from damper3d.engine.growth.spheres import grow
 from damper3d.engine.motions import at_rest
@@ -14,6 +15,7 @@ from damper3d.engine.simulation import Simulation
 from damper3d.engine.state import World
 from damper3d.engine.world import build_world
 from damper3d.run.packing import Packing, lowest, packing_fraction
+from granulab.campaign.runs.sharing import shared_by
 from granulab.errors import InputError
 
 _LOOK = 1e-3  # [s] of simulated time between reports
@@ -88,7 +90,9 @@ def resting(
     case: DamperCase, centres: np.ndarray, orientations: np.ndarray | None = None
 ) -> Simulation:
     """Particles at rest in an enclosure that does not move; see world_of."""
-    return Simulation(world_of(case, centres, orientations, rotating=not case.of_spheres))
+    sim = Simulation(world_of(case, centres, orientations, rotating=not case.of_spheres))
+    sim.share(shared_by(expected_cpu_of_step(case)))
+    return sim
 
 
 def world_of(

@@ -18,8 +18,8 @@ from damper3d.run.packing import load_packing, packing_folder
 from damper3d.run.protocol import PACKAGES, get_packing, read_finished, run, run_digest
 from damper3d.run.result import Result
 from damper3d.run.sources import MEASURES, SOURCES
-from granulab.campaign.runs.lock import once
 from granulab.campaign.runs.protocol import Stop, packing_sources
+from granulab.campaign.runs.sharing import once
 from granulab.campaign.sweeps import study_keys
 from granulab.campaign.sweeps.cases import label_study, table_of_study
 from granulab.campaign.sweeps.cases import run_study as run_labelled_study

@@ -13,8 +13,10 @@ from damper3d.case.host.modes import Modes
 from damper3d.case.host.several import name_of
 from damper3d.case.plan import (
     disk_at_most,
+    expected_cpu_of_step,
     expected_cpu_s,
     memory_at_most,
+    most_threads,
     steps_at_most,
     warnings,
 )
@@ -24,6 +26,7 @@ from damper3d.measures.efficiency import in_words
 from damper3d.run.result import Result
 from granulab.campaign.output import room
 from granulab.campaign.output.layout import pulls_in_words
+from granulab.campaign.runs import sharing
 from granulab.campaign.sweeps.overview import in_minutes
 
 _COARSE = 0.005  # closed at 1 us, relative to what is dissipated
@@ -58,6 +61,7 @@ def echo(case: DamperCase, dry_run: bool) -> str:
         f"{steps.free:.4g} s",
         f"  time step   {case.time_step:.6g} s: {steps.reason};",
         f"              {steps.per_sample} a sample, {settings.output.samples} samples a cycle",
+        *sharing.in_words(min(sharing.shared_by(expected_cpu_of_step(case)), most_threads(case))),
         f"  ends        {_end(case)}",
     ]
     if dry_run:

@@ -33,7 +33,7 @@ from numba.core.options import TargetOptions
 from numba.core.registry import cpu_target
 from numba.extending import overload
 
-from granulab.contact.kept import keep
+from granulab.contact.compiled.kept import keep
 
 # numba knows this flag of its compiler but offers no option for it: arguments do not alias.
 # LLVM then keeps values in registers across stores and vectorises; arrays that a kernel takes
@@ -67,6 +67,7 @@ _INLINED = {"_nrt": False, "forceinline": True}
 _INNER = {"no_cpython_wrapper": True}
 
 _LAWS = Path(__file__).resolve().parent  # what every kernel may call
+_COMPILED = "compiled"  # the one folder below that has kernels too; others have files and units
 _KEPT_FOLDERS = 8  # older ones are pruned, but for those that somebody may be working with
 _IN_USE = 7 * 24 * 3600.0  # [s] since a folder was last asked for
 
@@ -120,7 +121,7 @@ def cache_folder(room: Path = _LAWS) -> str:
     text.update(" ".join(sorted(_EXTENSIONS.get(room, {}).values())).encode())
     for place in (_LAWS, room, *extensions(room)):
         for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
-            if place != _LAWS or path.parent == _LAWS:  # below are files and units, no kernels
+            if place != _LAWS or path.parent.name in (_LAWS.name, _COMPILED):
                 text.update(path.read_bytes())
     kernels = _all_kernels()
     folder = kernels / text.hexdigest()[:16]

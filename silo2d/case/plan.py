@@ -9,6 +9,7 @@ from granulab.campaign.output import room
 from silo2d.case.beds.elastic import PAIRS
 from silo2d.case.case import GRAVITY, SiloCase
 from silo2d.case.filling import USUAL_FRACTION, particles_below
+from silo2d.engine.state import parts_of
 
 # Costs and usual values that the plan is made with.
 _SECONDS_PER_PARTICLE_STEP = 1.2e-7  # in a bed, on one core of a server of 2020
@@ -117,6 +118,18 @@ def expected_particles(case: SiloCase) -> int:
 def _in_all(case: SiloCase) -> int:
     """About how many particles there are, with those in store."""
     return expected_particles(case) + case.settings.flow.refill
+
+
+def cpu_of_step(case: SiloCase) -> float:
+    """About how long a step takes one core while all particles are there [s]."""
+    return _SECONDS_PER_PARTICLE_STEP * _in_all(case)
+
+
+def most_threads(case: SiloCase) -> int:
+    """Return how many threads can share a step: see engine.simulation.Simulation.share."""
+    if case.settings.run.engine != "dem" or case.settings.law.mu_plates:
+        return 1
+    return len(parts_of(_in_all(case))) - 1
 
 
 def expected_rate(case: SiloCase) -> float:

@@ -19,7 +19,7 @@ from silo2d.commands.options import case_command, changes_of, mu_option, outline
 def run(
     case: str | None, mu: str | None, out: str,
     resume: str | None, again: bool, dry_run: bool, no_figures: bool, page: bool, quiet: bool,
-    as_json: bool,
+    as_json: bool, threads: int | None,
     **options: Any,
 ) -> None:  # fmt: skip
     """Fill a silo, open it, and measure how it empties.
@@ -49,7 +49,7 @@ def run(
     )
     run_case(
         runnable, out=out, resume=resume, again=again, dry_run=dry_run, no_figures=no_figures,
-        page=page, quiet=quiet, as_json=as_json,
+        page=page, quiet=quiet, as_json=as_json, threads=threads,
     )  # fmt: skip
 
 

@@ -7,6 +7,7 @@ friction. As a wall it has no inertia; the work of whoever draws it is accounted
 """
 
 from granulab.contact.jit import njit
+from silo2d.engine.beds.vibration import note_loads, shake_walls
 from silo2d.engine.integrate import energy_of_contacts
 from silo2d.engine.state import (
     BOUNDING_RADIUS,
@@ -69,6 +70,25 @@ def set_door_skins(bodies, counts, dt, steps, least):
         door = counts[DOOR]
         for level, n_steps in ((INNER_LIST, steps[0]), (OUTER_LIST, steps[1])):
             bodies.skin[door, level] = n_steps * (dt * bodies.row[door, VX] + least)
+
+
+@njit
+def take_loads(world):
+    """Put the forces on walls that move aside: that of this step alone does work; the door's."""
+    note_loads(world, world.vibration)
+    door, row = world.counts[DOOR], world.bodies.row
+    load = row[door, FX]
+    if door > 0:
+        row[door, FX] = 0.0
+    return load
+
+
+@njit
+def move_walls(world, load):
+    """Move those walls by a step, at its end, and put the forces back; load: of the door."""
+    shake_walls(world, world.vibration)
+    if world.counts[DOOR] > 0:
+        move_door(world, load)
 
 
 @njit

@@ -21,10 +21,8 @@ from silo2d.engine.state import (
     FRICTION,
     FX,
     FY,
-    INNER,
     NORMAL_DAMPING,
     OMEGA,
-    PARTICLE_INNER,
     PARTICLE_PARTICLE,
     PARTICLE_WALL,
     SIN,
@@ -41,28 +39,40 @@ from silo2d.engine.state import (
 
 
 @njit
-def apply_forces(row, inner, forces, counts, account, particle_law, wall_law, dt):
+def apply_forces(world):
     """All contact forces of this step, added to the bodies, and what they dissipate."""
-    # Typed numbers: numba would compile the passes once more for each literal.
-    first, middle, last = np.int64(0), counts[PARTICLE_INNER], counts[INNER]
-    of_particles = account[PARTICLE_PARTICLE:PARTICLE_WALL]
-    of_walls = account[PARTICLE_WALL:CARRIED_OUT]
-    apply_class(row, inner, forces, particle_law, first, middle, of_particles, dt)
-    apply_class(row, inner, forces, wall_law, middle, last, of_walls, dt)
+    first, account, dt = world.first_pair, world.account, world.time_step
+    apply_class(world, world.particle_law, first[0], account[PARTICLE_PARTICLE:PARTICLE_WALL], dt)
+    apply_class(world, world.wall_law, first[1], account[PARTICLE_WALL:CARRIED_OUT], dt)
 
 
 @njit
-def apply_class(row, inner, forces, law, first, last, account, dt):
-    """Contact forces of the pairs first ... last - 1, which obey one law, block by block.
+def apply_class(world, law, first_pair, account, dt):
+    """Contact forces of the pairs of one law, block by block; first_pair of its parts.
 
-    What is dissipated is summed over all blocks in the order of the list. Pairs that do not touch
-    add exact zeros, so that no bit of the account depends on when the list was made.
+    What is dissipated is summed over all blocks of a part in the order of the list. Pairs that do
+    not touch add exact zeros, so that no bit of the account depends on when the list was made.
     """
-    sums = 0.0, 0.0, 0.0
-    for begin in range(first, last, BLOCK):
-        n = min(last - begin, BLOCK)
-        contact_forces(row, inner, forces, law, begin, n, dt)
-        sums = add_to_bodies(row, inner, forces, begin, n, sums)
+    total = 0.0, 0.0, 0.0
+    for part in range(len(first_pair) - 1):
+        last, sums = first_pair[part + 1], (0.0, 0.0, 0.0)
+        for begin in range(first_pair[part], last, BLOCK):
+            n = min(last - begin, BLOCK)
+            contact_forces(world.bodies.row, world.inner, world.forces, law, begin, n, dt)
+            sums = add_to_bodies(world.bodies.row, world.inner, world.forces, begin, n, sums)
+        total = added(total, sums)
+    add_to_account(account, total, dt)
+
+
+@njit
+def added(a, b):
+    """Sums by mechanism, of two."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@njit
+def add_to_account(account, sums, dt):
+    """Add what the pairs of a class dissipated in this step to its account."""
     account[NORMAL_DAMPING] += sums[0] * dt
     account[TANGENTIAL_DAMPING] += sums[1] * dt
     account[FRICTION] += sums[2]

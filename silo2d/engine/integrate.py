@@ -59,15 +59,34 @@ def rotated_direction(cos, sin, angle):
 
 @njit
 def move(world):
-    """One step of all live particles; wipes their loads.
+    """One step of all live particles; wipes their loads."""
+    far, low = move_live(world, np.int64(0), world.counts[LIVE])
+    end_step(world, far, low)
 
-    The list of inner pairs is marked stale where a point of a particle may have left its skin.
+
+@njit
+def end_step(world, far, low):
+    """Mark the list of inner pairs stale where a particle is too far, and drop those that left."""
+    counts = world.counts
+    counts[STEP] += 1
+    if far:
+        counts[STALE] = max(counts[STALE], 1)
+    if low:
+        remove_discharged(world)
+
+
+@njit
+def move_live(world, first, last):
+    """One step of the live particles that stand at first ... last - 1; wipes their loads.
+
+    Returns whether a point of one may have left its skin in the inner list, and whether one is
+    below the outlet.
     """
-    bodies, counts, gravity, dt = world.bodies, world.counts, world.gravity, world.time_step
+    bodies, gravity, dt = world.bodies, world.gravity, world.time_step
     row, listed, skin, size = bodies.row, bodies.listed, bodies.skin, bodies.size
     any_far = False
     any_low = False
-    for k in range(counts[LIVE]):
+    for k in range(first, last):
         i = bodies.live[k]
         dvx = row[i, FX] * row[i, INV_MASS] * dt
         dvy = (row[i, FY] * row[i, INV_MASS] - gravity) * dt
@@ -85,11 +104,7 @@ def move(world):
         far += size[i, BOUNDING_RADIUS] * abs(angle - listed[i, 3 * INNER_LIST + 2])
         any_far |= not far <= skin[i, INNER_LIST]  # true for NaN as well
         any_low |= y < 0.0
-    counts[STEP] += 1
-    if any_far:
-        counts[STALE] = max(counts[STALE], 1)
-    if any_low:
-        remove_discharged(world)
+    return any_far, any_low
 
 
 @njit

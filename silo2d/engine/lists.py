@@ -157,9 +157,9 @@ def store_slips(outer, inner, counts):
 
 
 @njit
-def measure_distances(local, vertices, outer, counts):
-    """Squared distances of all outer pairs: no branch, so that the compiler vectorises it."""
-    for c in range(np.uintp(counts[OUTER])):
+def measure_distances(local, vertices, outer, first, last):
+    """Squared distances of outer pairs first ... last - 1: no branch, so that it is vectorised."""
+    for c in range(np.uintp(first), np.uintp(last)):
         dx, dy = from_edge(local, vertices, outer.vertex[c], outer.edge[c])
         outer.distance2[c] = dx * dx + dy * dy
 

@@ -39,11 +39,14 @@ from silo2d.engine.state import (
     EDGE_X,
     EDGE_Y,
     FIRST,
+    INNER,
     INNER_LIST,
     LIVE,
     N_EDGES,
     OMEGA,
+    OUTER,
     OUTER_LIST,
+    PARTICLE_INNER,
     SIN,
     STALE,
     VERTEX_X,
@@ -70,6 +73,20 @@ def search(world):
 
     A level whose particles have moved too far since it was made becomes stale as well.
     """
+    outcome = begin_search(world)
+    update_vertices(world, np.int64(0), world.counts[LIVE])
+    if outcome == DONE:
+        outcome = search_outer(world)
+    if outcome == DONE:
+        last = world.counts[OUTER]
+        measure_distances(world.local, world.vertices, world.outer, np.int64(0), last)
+        outcome = search_inner(world)
+    return outcome
+
+
+@njit
+def begin_search(world):
+    """Give the inner list up, and find the bodies that are near each other where it is time."""
     bodies, local, vertices, counts = world.bodies, world.local, world.vertices, world.counts
     store_slips(world.outer, world.inner, counts)
     set_inner_skins(bodies, counts, world.time_step)
@@ -81,28 +98,53 @@ def search(world):
         set_outer_skins(bodies, counts)
     if counts[STALE] == 2 and outgrown(bodies, counts, BODY_LIST):
         counts[STALE] = 3
-    laws = (world.particle_law, world.wall_law)
     place_walls(world, world.vibration)
-    outcome = DONE
     if counts[STALE] >= 3:
-        outcome = find_bodies(bodies, local, vertices, world.cells, counts)
-    update_vertices(bodies, local, vertices, counts)
+        return find_bodies(bodies, local, vertices, world.cells, counts)
+    return DONE
+
+
+@njit
+def search_outer(world):
+    """Make the outer list again where it is time, from vertices that are up to date."""
+    bodies, counts, outer = world.bodies, world.counts, world.outer
     if counts[DOOR] > 0:
         update_door(world)
-    if outcome == DONE and counts[STALE] >= 2:
-        outcome = find_outer(bodies, local, vertices, world.cells.pairs, world.outer, counts)
-        if outcome == DONE:
-            carry_over(world.outer, counts, world.account, laws)
-            draw_outer(laws[0], laws[1], world.outer, counts, len(bodies.row))
+    if counts[STALE] < 2:
+        return DONE
+    pairs = world.cells.pairs
+    outcome = find_outer(bodies, world.local, world.vertices, pairs, outer, counts)
     if outcome == DONE:
-        measure_distances(local, vertices, world.outer, counts)
-        release_springs(bodies.skin, world.outer, counts, world.account, laws)
-        outcome = find_inner(bodies.skin, local, world.outer, world.inner, counts)
+        carry_over(outer, counts, world.account, (world.particle_law, world.wall_law))
+        draw_outer(world.particle_law, world.wall_law, outer, counts, len(bodies.row))
+    return outcome
+
+
+@njit
+def search_inner(world):
+    """Make the inner list, from the distances of all outer pairs."""
+    bodies, counts, laws = world.bodies, world.counts, (world.particle_law, world.wall_law)
+    release_springs(bodies.skin, world.outer, counts, world.account, laws)
+    outcome = find_inner(bodies.skin, world.local, world.outer, world.inner, counts)
     if outcome == DONE:
+        note_parts(world)
         copy_constants(laws[0], world.inner, counts)
         note_positions(bodies, counts, INNER_LIST)
         counts[STALE] = 0
     return outcome
+
+
+@njit
+def note_parts(world):
+    """Note where the inner pairs of each part begin: by their first body, as they are listed."""
+    inner, n = world.inner, np.int64(0)
+    for which in range(2):
+        last = world.counts[PARTICLE_INNER] if which == 0 else world.counts[INNER]
+        for part in range(len(world.parts)):
+            begins = world.parts[part]
+            while n < last and min(inner.vertex_body[n], inner.edge_body[n]) < begins:
+                n += 1
+            world.first_pair[which, part] = n
 
 
 @njit
@@ -154,9 +196,10 @@ def outgrown(bodies, counts, level):
 
 
 @njit
-def update_vertices(bodies, local, vertices, counts):
-    """Compute vertices and edge vectors of all live particles, from position and direction."""
-    for k in range(counts[LIVE]):
+def update_vertices(world, first, last):
+    """Compute vertices and edges of the live particles that stand at first ... last - 1."""
+    bodies, local, vertices = world.bodies, world.local, world.vertices
+    for k in range(first, last):
         i = bodies.live[k]
         cos, sin = bodies.row[i, COS], bodies.row[i, SIN]
         for v in range(

@@ -5,12 +5,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from granulab.contact.compiled.threads import Crew
 from granulab.contact.jit import njit
 from granulab.errors import SimulationError
 from silo2d.engine import state
 from silo2d.engine.beds.plates import Plates, rub_plates
-from silo2d.engine.beds.vibration import Vibration, note_loads, shake_walls
-from silo2d.engine.door import move_door
+from silo2d.engine.beds.vibration import Vibration
+from silo2d.engine.door import move_walls, take_loads
 from silo2d.engine.forces import apply_forces, overlap_now
 from silo2d.engine.integrate import energy_of_contacts, kinetic_energy, move
 from silo2d.engine.neighbours import search
@@ -28,6 +29,7 @@ from silo2d.engine.sampling import (
     energies,
     list_contacts,
 )
+from silo2d.engine.shared.steps import SharedSteps
 from silo2d.engine.state import DONE, NOT_FINITE, OUTER_FULL, PAIRS_FULL, World
 from silo2d.engine.world import longer_lists, more_pairs, with_laws
 
@@ -39,24 +41,16 @@ _SAMPLED = "sampled_"  # begins the names of what checkpoints hold of samples at
 @njit
 def advance(world, n_steps):
     """Take n_steps steps; returns how many were taken and the outcome of the last search."""
-    bodies, counts, account, dt = world.bodies, world.counts, world.account, world.time_step
-    inner, forces, laws = world.inner, world.forces, (world.particle_law, world.wall_law)
     for k in range(n_steps):
-        if counts[state.STALE] > 0:
+        if world.counts[state.STALE] > 0:
             outcome = search(world)
             if outcome != DONE:
                 return k, outcome
-        door = counts[state.DOOR]
-        load = bodies.row[door, state.FX]
-        if door > 0:
-            bodies.row[door, state.FX] = 0.0  # the force of this step alone does work
-        note_loads(world, world.vibration)
-        apply_forces(bodies.row, inner, forces, counts, account, laws[0], laws[1], dt)
+        load = take_loads(world)
+        apply_forces(world)
         rub_plates(world, world.plates)
         move(world)
-        shake_walls(world, world.vibration)
-        if door > 0:
-            move_door(world, load)
+        move_walls(world, load)
     return n_steps, DONE
 
 
@@ -68,6 +62,8 @@ class Simulation:
         self._advice = advice  # for the one whose simulation fails
         self._wall_steps = 0
         self._samples = WallSamples()
+        self._crew: Crew | None = None
+        self._shared: SharedSteps | None = None
 
     @property
     def n_particles(self) -> int:
@@ -130,7 +126,7 @@ class Simulation:
         """
         left, at_a_time = n_steps, max(_AT_A_TIME // max(self.n_particles, 1), 1)
         while left:
-            taken, outcome = advance(self.world, min(left, at_a_time))
+            taken, outcome = self._advance(min(left, at_a_time))
             left -= taken
             self._wall_steps += taken
             if outcome != DONE:
@@ -140,10 +136,28 @@ class Simulation:
 
     def compile(self) -> None:
         """Compile or load the kernels now, so that their time is not taken for a step's."""
-        advance(self.world, 0)
+        self._advance(0)
         self.energies()
         self.touching()
         self.contacts()
+
+    def share(self, n_threads: int) -> int:
+        """Let so many threads share the steps from now on; how many do, with the same bits.
+
+        Not more than the bed has parts; and one as long as plates rub, which needs what presses on
+        a particle, summed over all its contacts.
+        """
+        n_threads = min(n_threads, len(self.world.parts) - 1)
+        self._crew, self._shared = Crew(n_threads) if n_threads > 1 else None, None
+        return n_threads
+
+    def _advance(self, n_steps: int) -> tuple[int, int]:
+        """Take steps, by as many threads as share them; see advance."""
+        if self._crew is None or self.world.plates is not None:
+            return advance(self.world, n_steps)
+        if self._shared is None or self._shared.world is not self.world:
+            self._shared = SharedSteps(self.world, self._crew)
+        return self._shared.step(n_steps)
 
     def refresh(self) -> None:
         """Make stale lists again now."""

@@ -36,7 +36,17 @@ DONE, PAIRS_FULL, OUTER_FULL, NOT_FINITE, TOO_DEEP = range(5)
 
 BLOCK = 256  # inner pairs that the force pass works on at once: their forces fill half of a cache
 MAX_VERTICES = 64  # of one shape: a contact's key has six bits for each
+_PART = 512  # particles of a part, at least; twice as many at most
 WALL_KEY = 1 << 62  # particle-wall keys come after all particle-particle keys
+
+
+def parts_of(n: int) -> np.ndarray:
+    """Bounds of the parts of n particles (n_parts + 1,).
+
+    The number of parts is a power of two, so that 2, 4, 8 threads have as many each.
+    """
+    n_parts = 1 << max((n // _PART).bit_length() - 1, 0)
+    return np.arange(n_parts + 1) * n // n_parts
 
 
 class Bodies(NamedTuple):
@@ -121,7 +131,12 @@ class Cells(NamedTuple):
 
 
 class World(NamedTuple):
-    """Everything that the step loop works on."""
+    """Everything that the step loop works on.
+
+    Particles that follow one another are a part, and the pairs whose first body is in it are the
+    part's. What is summed over all pairs of a class is summed by parts: the sums are the same to
+    the last bit however many threads work on the parts (shared/steps.py). A small bed is one part.
+    """
 
     bodies: Bodies
     local: np.ndarray  # (n_vertices, 5) vertices and edges in the frames of their bodies [m]
@@ -131,7 +146,9 @@ class World(NamedTuple):
     inner: Inner
     forces: Forces
     counts: np.ndarray  # (N_COUNTS,) int64
-    account: np.ndarray  # (N_BOOKS,) [J]
+    account: np.ndarray  # (N_ACCOUNT,) [J]
+    parts: np.ndarray  # (n_parts + 1,) where the particles of each part begin, see below
+    first_pair: np.ndarray  # (2, n_parts + 1) where its inner pairs begin, of each class
     particle_law: Any  # a law, or DrawnLaw of pair_law.py; both laws are of one type
     wall_law: Any
     gravity: float  # [m/s2], downwards

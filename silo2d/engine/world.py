@@ -64,6 +64,7 @@ def build_world(
     vertices = local[:, : state.EDGE_Y + 1].copy()
     of_walls = slice(bodies.layout[len(particles), state.FIRST] if len(middles) else None, None)
     vertices[of_walls, :2] += np.repeat(middles, 2, axis=0) if len(middles) else 0.0
+    parts = state.parts_of(len(particles))
     world = World(
         bodies=bodies,
         local=local,
@@ -74,6 +75,8 @@ def build_world(
         forces=Forces(*(np.zeros(state.BLOCK) for _ in Forces._fields)),
         counts=_counts(len(particles)),
         account=np.zeros(state.N_ACCOUNT),
+        parts=parts,
+        first_pair=np.zeros((2, len(parts)), np.int64),
         particle_law=particle_law,
         wall_law=wall_law,
         gravity=gravity,

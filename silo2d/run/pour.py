@@ -13,11 +13,12 @@ from collections.abc import Callable
 
 import numpy as np
 
+from granulab.campaign.runs.sharing import shared_by
 from granulab.errors import SimulationError
 from silo2d.case.case import GRAVITY, SiloCase
 from silo2d.case.filling import PITCH, Layer, layers_of, rows_of_rain, stiffened
 from silo2d.case.outline import Outline
-from silo2d.case.plan import FALLING, collapse
+from silo2d.case.plan import FALLING, collapse, cpu_of_step
 from silo2d.case.shape import ShapeSet
 from silo2d.engine.simulation import Simulation
 from silo2d.engine.state import INV_MASS
@@ -124,7 +125,9 @@ def pouring(case: SiloCase, kinds: np.ndarray, poses: np.ndarray, outline: Outli
         gravity=GRAVITY,
         time_step=case.pour_time_step,
     )
-    return Simulation(world, "fill to a lower level, or with a stiffer materials file")
+    sim = Simulation(world, "fill to a lower level, or with a stiffer materials file")
+    sim.share(shared_by(cpu_of_step(case)))
+    return sim
 
 
 def level_off(

@@ -9,13 +9,14 @@ from typing import Any
 from granulab.campaign.runs.folder import RunFolder, digest
 from granulab.campaign.runs.protocol import Progress, Runs, Stop, kept, restored
 from granulab.campaign.runs.provenance import Sources, Warn, to_stderr
+from granulab.campaign.runs.sharing import shared_by
 from granulab.campaign.runs.stages import Stages
 from granulab.campaign.runs.trajectory import TrajectoryWriter
 from granulab.errors import SimulationError, Stopped
 from silo2d.baseline.discharge import Baseline, discharge_by_impulses
 from silo2d.case.case import GRAVITY, SiloCase
 from silo2d.case.disorder import with_friction
-from silo2d.case.plan import compiling, expected_stages, hedge, settling
+from silo2d.case.plan import compiling, cpu_of_step, expected_stages, hedge, settling
 from silo2d.engine import state
 from silo2d.engine.simulation import Simulation
 from silo2d.engine.world import build_world
@@ -158,6 +159,7 @@ def _start_or_resume(
 
 def _behind_door(case: SiloCase, packing: Packing, step: float) -> Simulation:
     sim = Simulation(world_behind_door(case, packing, step))
+    sim.share(shared_by(cpu_of_step(case)))
     if case.settings.flow.refill:
         sim.keep_back(case.settings.flow.refill)
     return sim

@@ -5,8 +5,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granulab.campaign.runs.lock import once
 from granulab.campaign.runs.protocol import Stop, packing_sources
+from granulab.campaign.runs.sharing import once
 from granulab.campaign.sweeps import study_keys
 from granulab.campaign.sweeps.cases import label_study, table_of_study
 from granulab.campaign.sweeps.cases import run_study as run_labelled_study

@@ -6,17 +6,20 @@ import numpy as np
 
 from granulab.campaign.output import room
 from granulab.campaign.output.layout import pulls_in_words
+from granulab.campaign.runs import sharing
 from granulab.campaign.sweeps.overview import in_minutes
 from granulab.contact.laws import LinearLaw
 from silo2d.case.beds.elastic import assumed, in_words
 from silo2d.case.case import USUAL_INTERVALS, SiloCase
 from silo2d.case.disorder import QUANTITIES
 from silo2d.case.plan import (
+    cpu_of_step,
     disk_at_most,
     expected_cpu_s,
     expected_particles,
     hedge,
     memory_at_most,
+    most_threads,
     plan,
 )
 from silo2d.run.ending import ENERGY_TOLERANCE
@@ -58,6 +61,7 @@ def echo(case: SiloCase, dry_run: bool) -> str:
         *_door(case),
         *_acts(case),
         *_engine(case),
+        *sharing.in_words(min(sharing.shared_by(cpu_of_step(case)), most_threads(case))),
         f"  ends        empty; or at rest: normalised kinetic energy below {run.at_rest:g} and "
         f"none out for {run.rest_time:g} s; or after {run.max_time:g} s (kinetic energy over what "
         "lifts each particle by its size); at rest, clogged if an outline crosses the outlet's "

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from granulab.contact import kept
+from granulab.contact.compiled import kept
 
 KERNEL = """
 from granulab.contact.jit import njit

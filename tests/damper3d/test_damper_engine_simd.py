@@ -120,7 +120,7 @@ def test_lanes_to_rows(n, same):
         force[j, :3] += push[k]
         torque[i, :3] -= block.arm_i[k] * couple[k]
         torque[j, :3] -= block.arm_j[k] * couple[k]
-    add_loads(spheres, contacts, BEGIN, n, block)
+    add_loads(spheres, contacts.i, contacts.j, contacts.touching, BEGIN, n, block)
     assert np.array_equal(spheres.force, force)
     assert np.array_equal(spheres.torque, torque)
 
@@ -134,8 +134,9 @@ def test_what_touches_or_did_a_step_ago_is_named_in_the_order_of_the_list(n):
     contacts.cutoff[:] = 1.01 * np.median(distance)  # no pair is just at its cutoff
     contacts.history[:, DAMPING] = np.where(np.arange(len(distance)) % 5 == 0, 0.1, NO_CONTACT)
     expected = (distance < contacts.cutoff) | (contacts.history[:, DAMPING] >= 0.0)
-    found = touching_pairs(spheres, contacts, np.int64(n), block)
-    assert np.array_equal(contacts.touching[:found], np.flatnonzero(expected[:n]))
+    first = np.int64(2)
+    end = touching_pairs(spheres, contacts, first, np.int64(n), block)
+    assert np.array_equal(contacts.touching[first:end], first + np.flatnonzero(expected[first:n]))
 
 
 ROWS = 5  # of each array that the vectors of a step are tried on

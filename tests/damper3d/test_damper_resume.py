@@ -20,7 +20,7 @@ from small_silo import finish, the_run
 from damper3d.engine.simulation import Simulation
 from damper3d.run import protocol, vibration
 from damper3d.run.steady import BLOCK
-from granulab.campaign.runs.lock import alone
+from granulab.campaign.runs.sharing import alone
 from granulab.campaign.runs.trajectory import read_tables, read_trajectory
 from granulab.errors import FolderError, SimulationError, Stopped
 

@@ -149,13 +149,15 @@ def keep_places(wall, walls, n_listed):
 
 
 @inlined_inner
-def touching_places(spheres, walls, contacts, w):
-    """Let `touching` name the listed contacts that act, sphere by sphere; how many there are."""
-    found = np.int64(0)
-    n, end = walls.first[w], walls.first[w + 1]
-    while n < end:
+def touching_places(spheres, walls, contacts, first, last):
+    """Let `touching` name, from `first` on, those contacts that act, sphere by sphere.
+
+    Of contacts first ... last - 1; returns where they end.
+    """
+    found = n = first
+    while n < last:
         after = n + 1
-        while after < end and contacts.i[after] == contacts.i[n]:
+        while after < last and contacts.i[after] == contacts.i[n]:
             after += 1
         acting = acting_places(spheres, walls.surface, contacts, n, after)
         hand_over(spheres, walls.surface, contacts, n, after, acting)

@@ -15,7 +15,7 @@ import numpy as np
 
 from damper3d.engine.geometry import touching_pairs
 from damper3d.engine.multisphere.particles import DEEPEST, SUM
-from damper3d.engine.state import DAMPING, HERTZ, INNER, MASS, N_HISTORY, NO_CONTACT
+from damper3d.engine.state import DAMPING, HERTZ, MASS, N_HISTORY, NO_CONTACT
 from damper3d.engine.walls import distance_to_wall, touching_wall
 from granulab.contact.jit import inlined_inner, inner
 
@@ -23,53 +23,56 @@ _POWER = 8.0  # p
 
 
 @inlined_inner
-def acting_pairs(world):
-    """Let `touching` of the list of pairs name those that act; how many they are."""
-    n = touching_pairs(world.spheres, world.inner, world.counts[INNER], world.block)
-    return n if world.shape.treatment == SUM else treat_pairs(world, n)
+def acting_pairs(world, first, last):
+    """Let `touching`, from `first` on, name those of pairs first ... last - 1 that act.
+
+    Returns where they end.
+    """
+    end = touching_pairs(world.spheres, world.inner, first, last, world.block)
+    return end if world.shape.treatment == SUM else treat_pairs(world, first, end)
 
 
 @inlined_inner
-def acting_at_wall(world, w):
-    """The same of the contacts with wall w."""
-    n = touching_wall(world.spheres, world.walls, world.wall, w, world.block)
-    return n if world.shape.treatment == SUM else treat_wall(world, w, n)
+def acting_at_wall(world, w, first, last):
+    """The same of contacts with wall w."""
+    end = touching_wall(world.spheres, world.walls, world.wall, w, first, last, world.block)
+    return end if world.shape.treatment == SUM else treat_wall(world, w, first, end)
 
 
 @inner
-def treat_pairs(world, n_touching):
+def treat_pairs(world, first, end):
     """Treat the touching pairs of each pair of particles."""
     contacts, x, depth = world.inner, world.spheres.position, world.shape.scratch.depth
-    for t in range(n_touching):
+    for t in range(first, end):
         n = contacts.touching[t]
         i, j = contacts.i[n], contacts.j[n]
         dx, dy, dz = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
         depth[t] = max(contacts.cutoff[n] - np.sqrt(dx * dx + dy * dy + dz * dz), 0.0)
-    return treat(world, contacts, n_touching)
+    return treat(world, contacts, first, end)
 
 
 @inner
-def treat_wall(world, w, n_touching):
+def treat_wall(world, w, first, end):
     """Treat the touching contacts of each particle with wall w."""
     contacts, walls, x = world.wall, world.walls, world.spheres.position
     depth = world.shape.scratch.depth
     last = len(x) - 1
-    for t in range(n_touching):
+    for t in range(first, end):
         n = contacts.touching[t]
         i = contacts.i[n]
         px, py, pz = x[i, 0] - x[last, 0], x[i, 1] - x[last, 1], x[i, 2] - x[last, 2]
         distance = distance_to_wall(walls, w, px, py, pz)
         depth[t] = max(contacts.cutoff[n] - distance, 0.0)
-    return treat(world, contacts, n_touching)
+    return treat(world, contacts, first, end)
 
 
 @inner
-def treat(world, contacts, n_touching):
-    """Treat the contacts that touch, group by group; how many are left."""
-    begin = left = 0
-    while begin < n_touching:
+def treat(world, contacts, first, last):
+    """Treat the contacts that touch, group by group; where those that are left end."""
+    begin = left = first
+    while begin < last:
         end, group = begin + 1, contacts.group[contacts.touching[begin]]
-        while end < n_touching and contacts.group[contacts.touching[end]] == group:
+        while end < last and contacts.group[contacts.touching[end]] == group:
             end += 1
         if world.shape.treatment == DEEPEST:
             contacts.touching[left] = keep_deepest(contacts, world.shape.scratch.depth, begin, end)

@@ -35,10 +35,10 @@ from granulab.contact.jit import inlined_inner, inner, uncounted
 
 
 @inlined_inner
-def move(world, shift):
-    """One step; wipes the loads of the spheres and marks the lists that the particles have left.
+def move(world, shift, first, last):
+    """One step of particles first ... last - 1; wipes the loads of their spheres.
 
-    shift is that of the enclosure after the step.
+    Marks the lists that they have left; shift is that of the enclosure after the step.
     """
     counts, dt, form = world.counts, world.time_step, world.shape.form
     since, drift = (counts[STEP] - counts[INNER_MADE]) * dt, world.inner_seen.drift
@@ -46,7 +46,7 @@ def move(world, shift):
     was = world.wall_seen.drift
     swept = shift[0] - was[0], shift[1] - was[1], shift[2] - was[2]
     left = left_wall = False
-    for b in range(len(world.particles.inverse_mass)):
+    for b in range(first, last):
         take_loads(world, b)
         kick(world, b)
         turn(world, b)

@@ -19,8 +19,8 @@ from granulab.contact.jit import inlined_inner, inner
 
 
 @inlined_inner
-def move(world, shift):
-    """One step of spheres; wipes their loads and marks the lists that they have left.
+def move(world, shift, first, last):
+    """One step of spheres first ... last - 1; wipes their loads, marks the lists that they left.
 
         v += a dt,   x += v dt,   u = v + a dt/2,   and of the angular velocity likewise
 
@@ -38,7 +38,7 @@ def move(world, shift):
         shift[2] - seen_wall.drift[2],
     )
     left = left_wall = False
-    for i in range(np.uintp(len(v))):
+    for i in range(np.uintp(first), np.uintp(last)):
         per_mass, per_inertia = dt * particles.inverse_mass[i], dt * particles.inverse_inertia[i]
         kick(v, spheres.velocity, spheres.force, per_mass, fall, i)
         kick(

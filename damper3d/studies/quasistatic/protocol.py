@@ -25,7 +25,6 @@ from damper3d.studies.quasistatic.course import (
 from damper3d.studies.quasistatic.measure import Result, summary
 from damper3d.studies.quasistatic.rig import RigSimulation
 from granulab.campaign.runs.folder import RunFolder, digest
-from granulab.campaign.runs.lock import once
 from granulab.campaign.runs.protocol import (
     Progress,
     Runs,
@@ -35,6 +34,7 @@ from granulab.campaign.runs.protocol import (
     packing_sources,
 )
 from granulab.campaign.runs.provenance import Warn
+from granulab.campaign.runs.sharing import once
 from granulab.campaign.runs.stages import Stages
 from granulab.campaign.sweeps.sweep import Simulator, Task, run_or_pack, silent
 from granulab.contact.jit import already_compiled, cache_folder

@@ -39,6 +39,13 @@ def run_options(command: Callable[..., Any]) -> Callable[..., Any]:
         quiet_option,
         click.option("--page", is_flag=True, help="Write a page that plays the run in a browser."),
         click.option("--no-figures", is_flag=True, help="Make no pictures and no film."),
+        click.option(
+            "--threads",
+            type=click.IntRange(min=1),
+            metavar="N",
+            help="Threads that share each step; the results are the same to the last bit. Left "
+            "out: one, and all cores for large beds.",
+        ),
         dry_run_option,
         click.option("--again", is_flag=True, help="Compute it again, in a folder of its own."),
         click.option("--resume", metavar="DIR", help="Go on with the run in this folder."),
@@ -50,40 +57,35 @@ def run_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def run_case(
     runnable: Runnable, *, out: str, resume: str | None, again: bool, dry_run: bool,
-    no_figures: bool, page: bool, quiet: bool, as_json: bool,
+    no_figures: bool, page: bool, quiet: bool, as_json: bool, threads: int | None,
 ) -> None:  # fmt: skip
     """Compute a case, draw it and print its result; or say what would be run.
+
+    threads: that share each step; None: as many as pay.
 
     Raises FolderError before anything is echoed or computed where the run cannot be kept, and
     InputError in place of a result that cannot be.
     """
-    from granulab.campaign.output import room
     from granulab.campaign.output.ranges import judged
+    from granulab.campaign.runs.sharing import wanted
     from granulab.contact.files.units import located
     from granulab.errors import InputError
 
-    case, echo = runnable.case, runnable.echo
     if page and runnable.player is None:
         raise InputError(
             '--page: nothing is kept to play (output.keep = "summary", or output.frames = 0); keep '
             "all, with frames"
         )
-    short = room.shortage(runnable.simulator.disk_of([case]), Path(out))
-    warning = f"\n  warning     {short}" if short else ""
-    if dry_run:
-        picture = None if no_figures else _sketched(runnable, Path(out))
-        free = {"disk_free_bytes": room.free(Path(out)), "picture": picture}
-        drawn = f"\n  picture     {picture}" if picture else ""
-        text = wrapped(echo(case, dry_run=True) + drawn + warning, 14)
-        click.echo(json.dumps(runnable.plan(case) | free, indent=2) if as_json else text)
-        return
-    _refuse_unless_writable(
-        runnable.simulator, case, Path(out), resume, again, drawn=page or not no_figures
-    )
-    if not quiet:
-        click.echo(wrapped(echo(case, dry_run=False) + warning, 14), err=True)
-    draw = None if no_figures else runnable.draw
-    result, paths = _computed(runnable, draw, out, resume, again, quiet)
+    with wanted(threads):
+        if dry_run:
+            _say_plan(runnable, Path(out), no_figures, as_json)
+            return
+        drawn = page or not no_figures
+        _refuse_unless_writable(runnable.simulator, runnable.case, Path(out), resume, again, drawn)
+        if not quiet:
+            click.echo(_in_words(runnable, Path(out), dry_run=False), err=True)
+        draw = None if no_figures else runnable.draw
+        result, paths = _computed(runnable, draw, out, resume, again, quiet, threads)
     _say_what_plays(paths, quiet)
     table = dataclasses.asdict(result)
     with located(f"{result.run_folder}:"):
@@ -95,6 +97,26 @@ def run_case(
         return
     lines = [runnable.report(result), *(f"  warning: {line}" for line in warnings), *said]
     click.echo(wrapped("\n".join(lines), 4))
+
+
+def _in_words(runnable: Runnable, out: Path, *, dry_run: bool, more: str = "") -> str:
+    """The case in words, and what its disk lacks."""
+    from granulab.campaign.output import room
+
+    short = room.shortage(runnable.simulator.disk_of([runnable.case]), out)
+    warning = f"\n  warning     {short}" if short else ""
+    return wrapped(runnable.echo(runnable.case, dry_run=dry_run) + more + warning, 14)
+
+
+def _say_plan(runnable: Runnable, out: Path, no_figures: bool, as_json: bool) -> None:
+    """Print what would be run, and draw it."""
+    from granulab.campaign.output import room
+
+    picture = None if no_figures else _sketched(runnable, out)
+    free = {"disk_free_bytes": room.free(out), "picture": picture}
+    drawn = f"\n  picture     {picture}" if picture else ""
+    text = _in_words(runnable, out, dry_run=True, more=drawn)
+    click.echo(json.dumps(runnable.plan(runnable.case) | free, indent=2) if as_json else text)
 
 
 def _sketched(runnable: Runnable, out: Path) -> str | None:
@@ -146,6 +168,7 @@ def _computed(
     resume: str | None,
     again: bool,
     quiet: bool,
+    threads: int | None,
 ) -> tuple[Any, list[Path]]:
     """The result of a case and its figures, a bar on stderr; Ctrl-C stops at the next look."""
     from granulab.campaign.output.terminal import Progress, StopRequest
@@ -156,7 +179,7 @@ def _computed(
         if draw is not None:
             stages.expect(drawing=_DRAWING)
         with StopRequest() as stop:
-            common = {"progress": stages, "stop": lambda: stop.requested}
+            common = {"progress": stages, "stop": lambda: stop.requested, "threads": threads}
             if resume:
                 result = runnable.protocol.resume(resume, **common)
             else:

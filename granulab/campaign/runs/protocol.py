@@ -9,13 +9,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
-from granulab.campaign.runs.folder import RESULTS, RunFolder, open_run, resume_run, seals_of
-from granulab.errors import DamagedError, FolderError, InputError, SimulationError, Stopped
 from granulab.campaign.output import terminal
 from granulab.campaign.output.files import write_atomic, writing
-from granulab.campaign.runs.lock import alone
-from granulab.campaign.runs.provenance import Sources, Warn, provenance, to_stderr
+from granulab.campaign.runs.folder import RESULTS, RunFolder, open_run, resume_run, seals_of
+from granulab.campaign.runs.provenance import (
+    Sources,
+    Warn,
+    check_arithmetic,
+    provenance,
+    to_stderr,
+)
+from granulab.campaign.runs.sharing import alone, wanted
 from granulab.campaign.runs.stages import Stages
+from granulab.errors import DamagedError, FolderError, InputError, SimulationError, Stopped
 
 if TYPE_CHECKING:
     from granulab.campaign.runs.result import Results
@@ -92,6 +98,7 @@ class Runs(Generic[Case, Found]):
         again: bool = False,
         stop: Stop | None = None,
         warn: Warn = to_stderr,
+        threads: int | None = None,
     ) -> Found:
         """Run a case in a folder below `out` ("runs"), or read the result that stands there.
 
@@ -104,13 +111,16 @@ class Runs(Generic[Case, Found]):
                   raised; None: Ctrl-C or the notebook's interrupt does so and raises
                   KeyboardInterrupt, and the same call goes on
         warn      called for what other sources made
+        threads   share each step, and change no bit; None: as many as there are cores where the
+                  bed is large enough
 
         Raises InputError where the particles do not fit, FolderError for folders that cannot be
         used and SimulationError where the simulation fails.
         """
         name = f"{case.name}-seed{case.settings.run.seed}"
         folder = open_run(Path(out or "runs"), name, self.digest(case), again)
-        return self._run_in(folder, case, progress, stop, warn)
+        with wanted(threads):
+            return self._run_in(folder, case, progress, stop, warn)
 
     def resume(
         self,
@@ -118,6 +128,7 @@ class Runs(Generic[Case, Found]):
         *,
         progress: Progress | Stages | None = None,
         stop: Stop | None = None,
+        threads: int | None = None,
     ) -> Found:
         """Go on with the run in a folder; see `run`."""
         assert self.load
@@ -139,7 +150,8 @@ class Runs(Generic[Case, Found]):
                 f"sources {origin.get('source_digest')}), which made another run of this case; go "
                 "on with that version, or run its case.toml as a new one"
             )
-        return self._run_in(folder, case, progress, stop, to_stderr)
+        with wanted(threads):
+            return self._run_in(folder, case, progress, stop, to_stderr)
 
     def read_finished(self, folder: RunFolder, warn: Warn = to_stderr) -> Found:
         """The result of a finished run; measured again where the measures are others by now."""
@@ -187,12 +199,13 @@ class Runs(Generic[Case, Found]):
             return self.result.read(folder, reused=False)
 
     def _begin_or_check(self, folder: RunFolder, case: Case, warn: Warn) -> None:
-        """Write what a new run's folder begins with; warn where a begun one is of other sources."""
+        """Write what a new run's folder begins with; warn where others began one that is there."""
         sources = self.sources(case)
         if folder.state != "new":
-            made = folder.read_provenance().get("source_digest")
+            what, origin = f"{folder.path} was begun", folder.read_provenance()
             cure = "--again computes it again in a new folder"
-            sources.check(f"{folder.path} was begun", made, cure, warn)
+            sources.check(what, origin.get("source_digest"), cure, warn)
+            check_arithmetic(what, origin, warn)
             return
         for name, text in case.files.items():
             write_atomic(folder.path / name, text)
@@ -254,7 +267,11 @@ def restored(
     None where none is left. `warn` gets which file it is and what is computed again. start:
     where the run then begins. Raises FolderError where a checkpoint does not fit the case.
     """
-    from granulab.campaign.runs.checkpoint import checkpoints, go_back, load_checkpoint  # h5py: slow
+    from granulab.campaign.runs.checkpoint import (
+        checkpoints,
+        go_back,
+        load_checkpoint,
+    )  # h5py: slow
     from granulab.campaign.runs.trajectory import part_file, whole_parts
 
     whole, there, wrong = whole_parts(folder.path)

@@ -1,0 +1,1 @@
+"""Steps that several threads share, and the forces that they hand to one another."""

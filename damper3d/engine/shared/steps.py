@@ -1,0 +1,429 @@
+"""Steps of one bed that several threads share, with the bits of one thread's.
+
+A step has three stages, and all wait for one another after each: the forces of pairs, those of the
+walls with the adding up (results.py), and the motion. Lists are made and samples taken by the first
+thread, while the others wait.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from damper3d.engine import sampling
+from damper3d.engine.enclosures.cavity import Triangles
+from damper3d.engine.forces import (
+    NOTHING,
+    add_to_balance,
+    added,
+    push_at_wall,
+    push_pairs,
+    take_push,
+)
+from damper3d.engine.geometry import copy
+from damper3d.engine.integrate import enclosure_at, force_so_far, ride, search
+from damper3d.engine.kinds import first_sphere, move
+from damper3d.engine.laws.cohesion import Jkr
+from damper3d.engine.laws.table import LawTable, face_wall
+from damper3d.engine.motions import Turning
+from damper3d.engine.motions.host import rides
+from damper3d.engine.neighbours import begin_outer, begin_search, end_search, know_outer, near_pairs
+from damper3d.engine.shared.results import (
+    Kept,
+    Results,
+    choose_rows,
+    deliver,
+    mark_waiting,
+    push_enclosure,
+    room_for,
+)
+from damper3d.engine.state import (
+    BEGUN,
+    BEYOND,
+    DONE,
+    FASTEST,
+    N_MECHANISMS,
+    NOT_FINITE,
+    OUTER_FULL,
+    STALE_INNER,
+    STALE_WALL,
+    STEP,
+    WALL_WORK,
+    World,
+    zeros,
+)
+from damper3d.engine.walls import place_wall
+from damper3d.engine.world import block
+from granulab.contact.compiled.threads import Crew, clock, wait
+from granulab.contact.jit import inlined_inner, inner, specialised, uncounted
+
+
+class Team(NamedTuple):
+    """Arrays that the threads of a bed share besides its world."""
+
+    clock: np.ndarray  # of wait
+    parts: np.ndarray  # (n_threads + 1,) which parts each thread works on
+    bounds: np.ndarray  # (n_threads + 1,) where the spheres of each begin
+    counts: np.ndarray  # (N_COUNTS,) of the first thread, which are the world's
+    lengths: np.ndarray  # (N_LENGTHS,) likewise
+    stale: np.ndarray  # (n_threads, 16) whether each thread saw the lists left, far from each other
+    outcome: np.ndarray  # (1,) of the last search
+    impacts: np.ndarray  # (n_threads, 2, 4) World.impacts of each; the first one's are not used
+    left: np.ndarray  # (1,) what neighbours.begin_search gave
+    near: np.ndarray  # (n_threads, 2, capacity) uint32, near pairs that each thread found
+    n_near: np.ndarray  # (n_threads,) how many, -1 for no room
+    foreign: np.ndarray  # (n_threads, n_threads, capacity) uint32, see Results.foreign
+    n_foreign: np.ndarray  # (n_threads, n_threads)
+    sums: np.ndarray  # (n_parts, 8) what they dissipate, see forces.add_dissipated
+    wall_first: np.ndarray  # (n_walls, n_threads + 1) where the contacts of each thread begin
+    wall_end: np.ndarray  # (n_walls, n_threads) where those that touch end
+
+
+@uncounted
+def advance_shared(world, team, thread, n_steps, arrived):
+    """Up to n_steps steps, as integrate.advance; how many were taken, DONE or why no more, arrived.
+
+    Each thread calls it with a world of its own, see SharedSteps; arrived: see wait.
+    """
+    n_threads = len(team.impacts)
+    taken, outcome = np.int64(0), np.int64(DONE)
+    shift, speed = _enclosure_now(world)
+    while taken < n_steps:
+        if world.counts[STALE_INNER] or world.counts[STALE_WALL]:
+            outcome, arrived = _search(world, team, thread, shift, arrived)
+            if outcome != DONE:
+                break
+        _push_own_pairs(world, team, thread)
+        arrived = wait(team.clock, n_threads, arrived)
+        deliver(world, team.foreign, team.n_foreign)
+        _push_own_at_walls(world, team, thread, shift, speed)
+        arrived = wait(team.clock, n_threads, arrived)
+        if thread == 0:
+            _push_enclosure(world, team)
+        arrived = wait_for_host(world, team, arrived)
+        world.counts[STEP] += 1
+        shift, speed = _enclosure_now(world)
+        first, last = world.parts[team.parts[thread]], world.parts[team.parts[thread + 1]]
+        move(world, shift, first, last)
+        team.stale[thread, 0] = world.counts[STALE_INNER]
+        team.stale[thread, 1] = world.counts[STALE_WALL]
+        arrived = wait(team.clock, n_threads, arrived)
+        for other in range(n_threads):
+            world.counts[STALE_INNER] |= team.stale[other, 0]
+            world.counts[STALE_WALL] |= team.stale[other, 1]
+        taken += 1
+    if thread == 0:
+        _gather_impacts(world, team)
+    arrived = wait(team.clock, n_threads, arrived)
+    return taken, outcome, arrived
+
+
+@uncounted
+def advance_sampling_shared(world, team, thread, steps_per_sample, rows):
+    """Fill rows as sampling.advance_sampling does, by several threads."""
+    arrived, n_threads = np.int64(0), len(team.impacts)
+    for k in range(len(rows)):
+        taken, outcome, arrived = advance_shared(world, team, thread, steps_per_sample, arrived)
+        if outcome == DONE:
+            shift, _ = _enclosure_now(world)
+            outcome, arrived = _search(world, team, thread, shift, arrived)
+        if outcome != DONE:
+            return k, taken, outcome
+        if thread == 0:
+            sampling.sample(world, steps_per_sample, rows[k])
+        arrived = wait(team.clock, n_threads, arrived)
+    return len(rows), np.int64(0), np.int64(DONE)
+
+
+@inlined_inner
+def _enclosure_now(world):
+    return enclosure_at(world.shaker, world.direction, world.counts[STEP] * world.time_step)
+
+
+@inlined_inner
+def _search(world, team, thread, shift, arrived):
+    """Make stale lists again, and share out the contacts with walls; DONE or why not, arrived."""
+    n_threads, is_first = len(team.impacts), thread == 0
+    left = 0.0
+    if world.counts[STALE_INNER]:
+        if is_first:
+            team.left[0] = begin_search(world)
+            if team.left[0] < 0.0:
+                begin_outer(world, shift)
+        arrived = wait(team.clock, n_threads, arrived)
+        left = team.left[0]
+        if left < 0.0:
+            arrived = _search_outer(world, team, thread, -left, arrived)
+    if is_first:
+        team.outcome[0] = _end_search(world, team, shift, left)
+        if left != 0.0:
+            _share_out(world, team)
+        _share_walls(world, team)
+    arrived = wait(team.clock, n_threads, arrived)
+    if left != 0.0:
+        arrived = _choose_rows(world, team, thread, arrived)
+    if not is_first:
+        copy(world.counts, team.counts, len(team.counts))
+        copy(world.lengths, team.lengths, len(team.lengths))
+    return team.outcome[0], arrived
+
+
+@inlined_inner
+def _search_outer(world, team, thread, skin, arrived):
+    """Let each thread find the near pairs of its particles, and bring them to the outer list."""
+    outer, near = world.outer, team.near[thread]
+    begin, end = world.parts[team.parts[thread]], world.parts[team.parts[thread + 1]]
+    team.n_near[thread] = near_pairs(near[0], near[1], world.cells, outer.now, skin, begin, end)
+    arrived = wait(team.clock, len(team.impacts), arrived)
+    n = _n_near(team, thread)
+    if n >= 0:
+        for k in range(team.n_near[thread]):
+            outer.i[n + k], outer.j[n + k] = near[0, k], near[1, k]
+    return wait(team.clock, len(team.impacts), arrived)
+
+
+@inner
+def _n_near(team, n_threads):
+    """Return how many pairs the first threads found, or -1 where there is no room for all."""
+    total = np.int64(0)
+    for thread in range(len(team.n_near)):
+        if team.n_near[thread] < 0:
+            return np.int64(-1)
+        total += team.n_near[thread]
+    if total > team.near.shape[2]:
+        return np.int64(-1)
+    total = np.int64(0)
+    for thread in range(n_threads):
+        total += team.n_near[thread]
+    return total
+
+
+@inlined_inner
+def _end_search(world, team, shift, left):
+    """Go on to the lists; left: what begin_search gave, 0 where the inner list holds."""
+    if np.isnan(left):
+        return np.int64(NOT_FINITE)
+    if left < 0.0 and not know_outer(world, _n_near(team, len(team.n_near))):
+        return np.int64(OUTER_FULL)
+    if left != 0.0:
+        outcome = end_search(world, abs(left))
+        if outcome != DONE:
+            return outcome
+    return search(world, shift)
+
+
+@inlined_inner
+def _choose_rows(world, team, thread, arrived):
+    """Choose the rows that take the loads of a thread's pairs, when all know which spheres wait."""
+    first = world.first_pair[team.parts[thread]]
+    last = world.first_pair[team.parts[thread + 1]]
+    world.results.own[0] = first
+    mark_waiting(world, first, last)
+    arrived = wait(team.clock, len(team.impacts), arrived)
+    unread = len(world.spheres.inverse_mass) + 1 + 2 * thread
+    choose_rows(world, first, last, unread)
+    return arrived
+
+
+@inner
+def _share_out(world, team):
+    """Share the parts out, so that each thread has as much work."""
+    n_threads = len(team.impacts)
+    world.results.waits[:] = False
+    n_parts = len(world.parts) - 1
+    total = world.first_pair[n_parts] + world.parts[n_parts]
+    part = np.int64(0)
+    for thread in range(1, n_threads):
+        least, most = team.parts[thread - 1] + 1, n_parts - (n_threads - thread)
+        while part < n_parts and _work_until(world, part) * n_threads <= total * thread:
+            part += 1
+        team.parts[thread] = min(max(part, least), most)
+        team.bounds[thread] = first_sphere(world.shape, world.parts[team.parts[thread]])
+
+
+@inner
+def _share_walls(world, team):
+    """Note where the contacts of each thread's spheres begin in the list of each wall."""
+    walls, i = world.walls, world.wall.i
+    for w in range(len(walls.force)):
+        n = walls.first[w]
+        for thread in range(len(team.bounds)):
+            while n < walls.first[w + 1] and i[n] < team.bounds[thread]:
+                n += 1
+            team.wall_first[w, thread] = n
+
+
+@inlined_inner
+def _work_until(world, part):
+    """Measure the work of a step up to the middle of a part, in pairs: a particle is worth one."""
+    pairs = world.first_pair[part] + world.first_pair[part + 1]
+    return (pairs + world.parts[part] + world.parts[part + 1]) // 2
+
+
+@inlined_inner
+def _push_own_pairs(world, team, thread):
+    """Forces of the pairs of a thread, kept for those whose spheres they act on."""
+    world.results.n_foreign[:] = 0
+    world.results.own[1] = 0
+    for part in range(team.parts[thread], team.parts[thread + 1]):
+        _, sums = push_pairs(world, part)
+        for c in range(len(sums)):
+            team.sums[part, c] = sums[c]
+
+
+@inlined_inner
+def _push_own_at_walls(world, team, thread, shift, speed):
+    """Forces of the walls on the spheres of a thread."""
+    for w in range(len(world.walls.force)):
+        place_wall(world.spheres, world.walls, w, shift, speed)
+        face_wall(world.wall_law, w)
+        first, last = team.wall_first[w, thread], team.wall_first[w, thread + 1]
+        end, _ = push_at_wall(world, w, first, last, NOTHING)
+        team.wall_end[w, thread] = end
+
+
+@inlined_inner
+def _push_enclosure(world, team):
+    """Force of this step on the walls, wall by wall in the order of the list; the host takes it.
+
+    And what pairs and walls dissipate.
+    """
+    sums, before = NOTHING, force_so_far(world)
+    for part in range(len(team.sums)):
+        own = team.sums[part]
+        sums = added(sums, (own[0], own[1], own[2], own[3], own[4]))
+    add_to_balance(world.balance, 0, sums, world.time_step)
+    sums = NOTHING
+    for w in range(len(world.walls.force)):
+        for thread in range(len(team.impacts)):
+            first, end = team.wall_first[w, thread], team.wall_end[w, thread]
+            sums = push_enclosure(world, first, end, sums)
+        power = take_push(world.spheres, world.walls.force[w])
+        world.balance[WALL_WORK] -= world.time_step * power
+    add_to_balance(world.balance, N_MECHANISMS, sums, world.time_step)
+    ride(world, before)
+
+
+def wait_for_host(world, team, arrived):
+    """Wait until the enclosure's host has taken the force of this step, where there is one."""
+
+
+@specialised(wait_for_host)
+def _wait_for_host(world, team, arrived):
+    if rides(world):
+        return lambda world, team, arrived: wait(team.clock, len(team.impacts), arrived)
+    return lambda world, team, arrived: arrived
+
+
+@inner
+def _gather_impacts(world, team):
+    """Add the impacts that the other threads counted to the first one's."""
+    for thread in range(1, len(team.impacts)):
+        for c in range(2):
+            own = team.impacts[thread, c]
+            world.impacts[c, FASTEST] = max(world.impacts[c, FASTEST], own[FASTEST])
+            world.impacts[c, BEGUN] += own[BEGUN]
+            world.impacts[c, BEYOND] += own[BEYOND]
+            own[FASTEST] = own[BEGUN] = own[BEYOND] = 0.0
+
+
+def one_thread_only(world: World) -> str:
+    """Name what keeps several threads from sharing the steps of a bed; empty where nothing does."""
+    if world.walls.rolling is not None:
+        return "rolling resistance"
+    if isinstance(getattr(world.pair_law, "cohesion", None), Jkr):
+        return "JKR cohesion"
+    if world.walls.drive is not None:
+        return "walls that move by themselves"
+    if isinstance(world.walls.surface, Triangles):
+        return "walls of triangles"
+    if isinstance(world.shaker, Turning):
+        return "an enclosure that turns"
+    return ""
+
+
+class SharedSteps:
+    """A bed's steps shared by several threads; made anew when the arrays of the world change."""
+
+    def __init__(self, world: World, crew: Crew, first_sphere: np.ndarray) -> None:
+        """first_sphere (n + 1,): of each particle, and the number of spheres."""
+        self.world, self._crew = world, crew
+        n, n_parts = crew.n_threads, len(world.parts) - 1
+        parts = np.arange(n + 1) * n_parts // n
+        capacity, at_walls = len(world.inner.i), len(world.wall.i)
+        n_walls = len(world.walls.force)
+        self._team = Team(
+            clock=clock(),
+            parts=parts,
+            bounds=first_sphere[world.parts[parts]],
+            counts=world.counts,
+            lengths=world.lengths,
+            stale=np.zeros((n, 16), np.int64),
+            outcome=np.zeros(1, np.int64),
+            impacts=np.stack([world.impacts * [0.0, 0.0, 0.0, 1.0]] * n),
+            left=np.zeros(1),
+            near=np.empty((n, 2, len(world.outer.i)), np.uint32),
+            n_near=np.zeros(n, np.int64),
+            foreign=np.empty((n, n, capacity), np.uint32),
+            n_foreign=np.zeros((n, n), np.int64),
+            sums=np.zeros((n_parts, 8)),
+            wall_first=np.zeros((n_walls, n + 1), np.int64),
+            wall_end=np.zeros((n_walls, n), np.int64),
+        )
+        self._to = np.zeros((2, capacity), np.uint32)
+        self._waits = np.zeros(len(world.spheres.inverse_mass), np.bool_)
+        kept = room_for(capacity, 0), room_for(at_walls, at_walls)
+        self._worlds = [self._world_of(thread, *kept) for thread in range(n)]
+        world.counts[STALE_INNER] = 1  # the rows that take their loads are to be chosen
+
+    def _world_of(self, thread: int, pairs: Kept, walls: Kept) -> World:
+        """The world as a thread sees it: what it writes for itself is its own."""
+        world, team = self.world, self._team
+        unread = len(world.spheres.inverse_mass) + 1 + 2 * thread
+        results = Results(
+            pairs=pairs,
+            walls=walls,
+            to_i=self._to[0],
+            to_j=self._to[1],
+            of_wall=np.full(len(world.wall.i), unread, np.uint32),
+            waits=self._waits,
+            bounds=team.bounds,
+            thread=thread,
+            foreign=team.foreign[thread],
+            n_foreign=team.n_foreign[thread],
+            own=np.zeros(2, np.int64),
+        )
+        if thread == 0:
+            return world._replace(results=results)
+        return world._replace(
+            results=results,
+            block=block(),
+            counts=world.counts.copy(),
+            lengths=world.lengths.copy(),
+            impacts=team.impacts[thread],
+            pair_law=_own(world.pair_law),
+            wall_law=_own(world.wall_law),
+        )
+
+    def fill(self, steps_per_sample: int, rows: np.ndarray) -> tuple[int, int, int]:
+        """See sampling.advance_sampling."""
+        return self._run(advance_sampling_shared, (steps_per_sample, rows))
+
+    def step(self, n_steps: int) -> tuple[int, int]:
+        """See integrate.advance."""
+        return self._run(advance_shared, (n_steps, 0))[:2]
+
+    def _run(self, kernel: Any, arguments: tuple[Any, ...]) -> Any:
+        """Call a kernel in each thread."""
+        self._team.clock[0] = 0
+        for world in self._worlds[1:]:
+            world.counts[:], world.lengths[:] = self.world.counts, self.world.lengths
+        return self._crew.run(
+            kernel, [(world, self._team, t, *arguments) for t, world in enumerate(self._worlds)]
+        )
+
+
+def _own(law: Any) -> Any:
+    """A law that a thread may write the lanes of."""
+    if isinstance(law, LawTable):
+        return law._replace(lanes=zeros(len(law.lanes)), kind=law.kind.copy())
+    return law

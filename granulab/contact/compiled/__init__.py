@@ -1,0 +1,1 @@
+"""Compiled kernels: their files on disk, and threads that run one together."""
