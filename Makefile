@@ -13,7 +13,7 @@ test: export OPENBLAS_NUM_THREADS := 1
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check \
 	--constraint $(CONSTRAINTS) --editable
 
-.PHONY: demo test test-oldest test-pythons test-plain browse fuzz fuzz-brief own-silos own-dampers low-drops estimates lint bench docs \
+.PHONY: demo test test-oldest test-pythons test-plain browse fuzz fuzz-brief own-silos own-dampers low-drops estimates lint bench bench-check docs \
 	verified commands pictures validate planted \
 	reproduce clogging wheel clean
 .DELETE_ON_ERROR:
@@ -79,10 +79,12 @@ commands: $(VENV)/with-tests ## every command of the pages, run once (half an ho
 pictures: $(VENV)/with-tests ## the pictures of the pages, each by its commands (docs/pictures/made.toml; ten minutes)
 	$(BIN)/python docs/picture.py
 
-bench: $(VENV)/installed ## cost a step: the silo beside a reference kernel, the damper beside LAMMPS
-	$(BIN)/python benchmarks/cost.py
-	$(BIN)/python benchmarks/damper.py
-	$(BIN)/python benchmarks/clusters.py
+bench: $(VENV)/with-tests ## cost of each scene, here and in other engines: docs/results/bench.json (half an hour, nothing else running)
+	$(BIN)/python -m benchmarks.speed --write docs/results/bench.json
+	$(BIN)/python docs/generate.py
+
+bench-check: $(VENV)/with-tests ## the same, compared: fails where a ratio is more than 10 % above the one that is kept
+	$(BIN)/python -m benchmarks.speed --check docs/results/bench.json
 
 browse: $(VENV)/with-tests ## pages in Chromium, where it is installed (Debian: apt-get install chromium)
 	$(BIN)/python -m pytest -m browser tests/browser

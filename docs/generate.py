@@ -5,12 +5,14 @@
 
 import ast
 import csv
+import json
 import re
 import sys
 from pathlib import Path
 
 from house import picture
 
+from benchmarks.speed import table
 from damper3d.case import settings as damper
 from damper3d.run import sweep as damper_sweep
 from granulab.campaign.sweeps.study_keys import StudyKeys
@@ -61,6 +63,7 @@ def generated() -> dict[Path, str]:
         **_with_part("docs/silo/loads.md", "keys", key_tables(Spec)),
         **_with_part("README.md", "map", _map()),
         **_with_part("docs/reference/modules.md", "modules", _modules()),
+        **_with_part("docs/runs/speed.md", "bench", _speed()),
         ROOT / "docs/pictures/house.svg": picture(ROOT, _purposes()),
         **_verified(),
     }
@@ -99,6 +102,12 @@ def _modules() -> str:
         name = folder.relative_to(ROOT).as_posix()
         parts.append(f"### `{name}/`\n\n{_summary(folder / '__init__.py')}\n{table}")
     return "\n".join(parts)
+
+
+def _speed() -> str:
+    """The table of `make bench`."""
+    text = (ROOT / "docs/results/bench.json").read_text(encoding="utf-8")
+    return table.markdown(json.loads(text))
 
 
 def _verified() -> dict[Path, str]:

@@ -2,12 +2,14 @@
 
 import contextlib
 import math
+from decimal import Decimal
 from fractions import Fraction
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from granulab.contact.files import units
 from granulab.contact.files.units import from_si, nearest, to_si
 from granulab.errors import InputError
 
@@ -144,3 +146,13 @@ def test_an_unknown_name_is_reported_with_the_nearest_and_all():
     )
     assert nearest("xyz", ["orifice", "height"]) == "known: orifice, height"
     assert nearest("xyz", []) == "known: none"
+
+
+def test_units_that_are_read_without_pint_are_what_pint_has():
+    """Exact: powers of ten, in decimal numbers."""
+    registry = units._registry()
+    for unit, powers in units.POWERS_OF_TEN.items():
+        for written, power in powers.items():
+            given, target = (registry.Unit(units._spelled_for_pint(name)) for name in
+                             (written, unit))  # fmt: skip
+            assert registry.Quantity(Decimal(1), given).to(target).magnitude == Decimal(10) ** power
