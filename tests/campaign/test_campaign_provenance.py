@@ -1,14 +1,27 @@
 """Provenance: which sources, versions, machine and command made the numbers."""
 
 import json
+import os
 import platform
+import shutil
+import subprocess
+import sys
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
 
-from granulab.campaign.runs.folder import open_run
-from granulab.campaign.runs.provenance import Sources, extend, provenance, source_digest
+from granulab.campaign.runs.folder import RunFolder, open_run
+from granulab.campaign.runs.provenance import (
+    Sources,
+    arithmetic,
+    check_arithmetic,
+    extend,
+    in_words,
+    provenance,
+    source_digest,
+)
+from silo2d.run import protocol as silo
 
 
 @pytest.fixture
@@ -77,6 +90,7 @@ def test_provenance_says_what_made_the_numbers(packages, tmp_path):
         "numpy": np.__version__,
         "no-such-package": None,
     }
+    assert known["arithmetic"] == arithmetic()
     assert known["machine"]["cpu"]
     assert known["machine"]["cores"] >= 1
     started = datetime.fromisoformat(known["started"])
@@ -84,3 +98,63 @@ def test_provenance_says_what_made_the_numbers(packages, tmp_path):
     run = open_run(tmp_path, "A4", "d")
     run.write_provenance(known)
     assert run.read_provenance() == json.loads(json.dumps(known))
+
+
+def of_process(**environment):
+    """The arithmetic of a process with kernels."""
+    code = (
+        "import json, granulab.contact.jit; "
+        "from granulab.campaign.runs.provenance import arithmetic; print(json.dumps(arithmetic()))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=os.environ | environment, capture_output=True, text=True,
+        check=True,
+    )  # fmt: skip
+    return json.loads(done.stdout)
+
+
+def test_arithmetic_is_what_the_environment_makes_numba_compile_for():
+    """As make test-plain sets it: a processor without any feature."""
+    plain = of_process(NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="")
+    assert plain["kernels"] == {"cpu": "generic", "features": ""}
+    assert plain["blas"].keys() == {"numpy", "scipy"}
+    featured = of_process(NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="+sse4.2,-avx,+aes")
+    assert featured["kernels"]["features"] == "aes sse4.2"
+
+
+@pytest.mark.skipif(
+    arithmetic()["core"] is None or platform.machine() not in ("x86_64", "AMD64"),
+    reason="no OpenBLAS that chooses among these cores",
+)
+def test_arithmetic_has_the_core_that_openblas_computes_for():
+    """Prescott is one of OpenBLAS's own names, and calls itself Prescott or Katmai."""
+    assert of_process(OPENBLAS_CORETYPE="Nehalem")["core"] == "Nehalem"
+    assert of_process(OPENBLAS_CORETYPE="Prescott")["core"] != "Nehalem"
+
+
+def test_another_arithmetic_is_said_in_one_line_and_an_unknown_one_is_not():
+    said, here = [], arithmetic()
+    check_arithmetic("a run was begun", {}, said.append)  # of a version before the entry
+    check_arithmetic("a run was begun", {"arithmetic": here}, said.append)
+    assert said == []
+    check_arithmetic("a run was begun", {"arithmetic": here | {"core": "Abacus"}}, said.append)
+    (line,) = said
+    assert line.startswith("a run was begun with another arithmetic (")
+    assert "core Abacus" in line
+    assert f"here {in_words(here)}" in line
+
+
+def test_a_run_of_another_arithmetic_is_read_with_a_warning(reference, tmp_path, capsys):
+    """A run of this process has none; another processor's, and one without the entry, are read."""
+    folder = RunFolder(shutil.copytree(reference.path, tmp_path / reference.path.name))
+    origin = folder.read_provenance()
+    made = origin.pop("arithmetic")
+    assert made["kernels"]["features"] or made["kernels"]["cpu"] == "generic"
+    for entry, warns in (
+        ({"arithmetic": made}, False),
+        ({"arithmetic": made | {"core": "Abacus"}}, True),
+        ({}, False),
+    ):
+        folder.write_provenance({**origin, **entry})
+        assert silo.resume(folder.path).reused
+        assert ("core Abacus" in capsys.readouterr().err) is warns

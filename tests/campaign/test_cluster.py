@@ -12,6 +12,7 @@ from refusals import assert_refused
 from small_silo import silo2d
 from waiting import wait_until, when
 
+from granulab.campaign.sweeps.cluster import DaskCluster
 from granulab.campaign.sweeps.engine import run_tasks
 from granulab.campaign.sweeps.task import EngineError
 
@@ -23,6 +24,23 @@ def test_outcomes_come_in_order_and_failures_with_their_reason(cluster):
     assert [o.state for o in outcomes] == ["done", "failed", "failed", "done"]
     assert outcomes[1].reason == "one is refused; give another"
     assert outcomes[2].reason.startswith("ZeroDivisionError: ")
+
+
+def test_scheduler_holds_as_many_tasks_as_there_are_threads_and_a_tenth_more(cluster, monkeypatch):
+    """Of two threads, three; counted again after a while, as workers come and go."""
+    with DaskCluster(cluster) as pool:
+        assert pool.slots == 3
+        pool._threads = 20
+        assert pool.slots == 22
+        monkeypatch.setattr("granulab.campaign.sweeps.cluster._REPEAT", 0.0)
+        assert pool.slots == 3
+
+
+def test_connection_to_the_scheduler_keeps_no_messages(cluster):
+    """Dask keeps the last thousand otherwise, with the cases in them."""
+    with DaskCluster(cluster) as pool:
+        assert pool.submit(square, 3).result().value == 9
+        assert len(pool._client.scheduler_comm.recent_message_log) == 0
 
 
 def test_ctrl_c_lets_the_running_tasks_keep_their_state(cluster, tmp_path):

@@ -11,6 +11,7 @@ import pytest
 from fake_tasks import fussy, killed, logged, patient, square, surroundings
 from waiting import is_alive, wait_until, when
 
+from granulab.campaign.sweeps import engine
 from granulab.campaign.sweeps.engine import TRIES, Tally, run_tasks
 from granulab.campaign.sweeps.processes import Processes
 from granulab.campaign.sweeps.task import EngineError
@@ -29,6 +30,24 @@ def test_outcomes_come_in_the_order_of_the_tasks():
     assert sorted(seen[0].since) == [0, 1]
     assert len(seen[-1].took) == 7
     assert run_tasks(square, [], workers=2) == []
+
+
+def test_reports_go_by_time_and_not_by_the_number_of_tasks():
+    """Each goes over all tasks. Besides one in so many seconds there are the first and the last."""
+    seen, begun = [], time.monotonic()
+    run_tasks(square, range(500), engine="threads", workers=2, report=seen.append)
+    assert len(seen) <= 2 + (time.monotonic() - begun) / engine._LOOK
+    assert (seen[0].done, seen[-1].done) == (0, 500)
+
+
+def test_outcomes_are_reported_once_each_as_soon_as_they_are_known():
+    """Those also that fail with what they need."""
+    known = []
+    outcomes = run_tasks(
+        fussy, [4, 1, 0], needs={2: 1}, workers=1, ended=lambda k, outcome: known.append(k)
+    )
+    assert known == [0, 1, 2]
+    assert [o.state for o in outcomes] == ["done", "failed", "failed"]
 
 
 def test_a_failure_is_an_outcome_with_its_reason_in_one_line():

@@ -227,16 +227,16 @@ def packings_and_runs(root: Path, result: Callable[[dict[str, Any]], str]) -> li
 
 def _differences(runs: Sequence[Path]) -> dict[Path, dict[str, str]]:
     """Keys of the cases, with their values as written, in which runs of one name differ."""
-    cases = {run: _keys(run / "case.toml") for run in runs}
+    alike: dict[str | None, dict[Path, dict[str, str]]] = {}
+    for run in runs:
+        case = _keys(run / "case.toml")
+        alike.setdefault(case.get("name"), {})[run] = case
     found: dict[Path, dict[str, str]] = {}
-    for run, case in cases.items():
-        like = [other for other in cases.values() if other.get("name") == case.get("name")]
-        names = dict.fromkeys(key for other in like for key in other)
-        found[run] = {
-            key: case.get(key, "left out")
-            for key in names
-            if len({other.get(key) for other in like}) > 1
-        }
+    for cases in alike.values():
+        names = dict.fromkeys(key for case in cases.values() for key in case)
+        vary = [key for key in names if len({case.get(key) for case in cases.values()}) > 1]
+        for run, case in cases.items():
+            found[run] = {key: case.get(key, "left out") for key in vary}
     return found
 
 

@@ -2,7 +2,8 @@
 
 import io
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache
 from itertools import takewhile
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
@@ -26,7 +27,8 @@ def write_table(folder: Path, rows: Sequence[Row]) -> list[str]:
     HDF5 each is a dataset, of integers, of floating-point numbers, or of texts. Raises FolderError
     where they cannot be written.
     """
-    rows = [_from(folder.resolve(), row) for row in rows]
+    here, real = folder.resolve(), cache(Path.resolve)  # each folder of runs once, not each run's
+    rows = [_from(here, real, row) for row in rows]
     write_atomic(folder / "table.csv", as_csv(rows))
     write_atomic(folder / "table.parquet", as_parquet(rows))
     image = io.BytesIO()  # not on disk: HDF5 that meets a full disk itself ends the process
@@ -37,11 +39,12 @@ def write_table(folder: Path, rows: Sequence[Row]) -> list[str]:
     return ["table.csv", "table.parquet", "table.h5"]
 
 
-def _from(folder: Path, row: Row) -> Row:
-    """The row with its run_folder, where it has one, relative to a folder."""
+def _from(folder: Path, real: Callable[[Path], Path], row: Row) -> Row:
+    """The row with its run_folder, if any, seen from a folder; real: gives a path resolved."""
     if not row.get("run_folder"):
         return row
-    return {**row, "run_folder": _seen_from(folder, Path(row["run_folder"]).resolve())}
+    run = Path(row["run_folder"])
+    return {**row, "run_folder": _seen_from(folder, real(run.parent) / run.name)}
 
 
 def _seen_from(folder: PurePath, path: PurePath) -> str:

@@ -14,7 +14,13 @@ from granulab.campaign.runs.folder import RunFolder, digest
 from granulab.campaign.runs.provenance import provenance
 from granulab.campaign.sweeps.report.axes import Varied
 from granulab.campaign.sweeps.study import Study, read_study
-from granulab.campaign.sweeps.sweep import Labelled, Simulator, over_seeds, run_labelled
+from granulab.campaign.sweeps.sweep import (
+    Labelled,
+    Simulator,
+    over_seeds,
+    refuse_interrupted,
+    run_labelled,
+)
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -85,8 +91,9 @@ def run_study(
 ) -> tuple[Path, list[dict[str, Any]]]:
     """Run a study and keep its table; the study's folder and the rows (see run_labelled).
 
-    The folder, out/studies/<name>-<digest>, holds study.toml, provenance.json, table.csv and
-    table.h5. Raises what run_labelled raises, and FolderError where the table cannot be written.
+    The folder, out/studies/<name>-<digest>, holds study.toml, provenance.json, runs.journal,
+    table.csv and table.h5. Raises what run_labelled raises, and FolderError where the table cannot
+    be written.
     """
     folder = study_folder(simulator, loaded, out)
     with writing(folder.path):
@@ -100,7 +107,8 @@ def run_study(
             sources=simulator.sources.folders,
         )
     )
-    rows = run_labelled(simulator, loaded.cases, out=out, **options)
+    journal = folder.path / "runs.journal"
+    rows = run_labelled(simulator, loaded.cases, out=out, journal=journal, **options)
     folder.seal("study.toml", *write_table(folder.path, rows))
     return folder.path, rows
 
@@ -118,10 +126,7 @@ def table_of_study(
 
     silent = not in_notebook() if quiet is None else quiet
     _, rows = run_study(simulator, loaded, out=out, workers=workers, quiet=silent)
-    reasons = [row["reason"] for row in rows if row["state"] == "interrupted"]
-    if reasons:
-        lacking = f"{len(reasons)} of {len(rows)} runs are not finished ({reasons[0]})"
-        raise KeyboardInterrupt(f"{lacking}; the same call goes on from there")
+    refuse_interrupted(rows)
     return DataFrame(rows)
 
 

@@ -1,9 +1,10 @@
 """A Dask cluster that runs tasks; the extra `cluster` installs what it needs."""
 
 import logging
+import math
 import socket
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from concurrent.futures import Future
 from contextlib import ExitStack, contextmanager, suppress
 from ipaddress import ip_address
@@ -16,7 +17,12 @@ from granulab.campaign.sweeps.task import EngineError, Function, Outcome, call
 from granulab.errors import Failed
 
 _PATIENCE = 10.0  # [s] for a scheduler to respond
-_REPEAT = 2.0  # [s] workers that come late are stopped too
+_REPEAT = 2.0  # [s] workers that come late are stopped too, and counted
+_LOOK = 1.0  # [s] for a scheduler to say how many there are
+_AHEAD = 1.1  # tasks of a thread: what Dask itself sends ahead (worker-saturation)
+# For Dask's developers each connection keeps its last 1000 messages, with the cases in them, some
+# 0.2 MB each. A scheduler is told by its environment (docs/runs/sweeps.md).
+_NO_LOG = {"distributed.admin.low-level-log-length": 0}
 
 _stopping: set[str] = set()  # in a worker: the sweeps that are to stop
 
@@ -24,10 +30,9 @@ _stopping: set[str] = set()  # in a worker: the sweeps that are to stop
 class DaskCluster:
     """The workers of a scheduler at an address; see sweeps.engine for the calls."""
 
-    slots = 1000  # tasks that the scheduler holds at a time; it deals them out
-
     def __init__(self, scheduler: str) -> None:
         self._scheduler = scheduler
+        self._threads, self._counted = 0, 0.0
         self._name = uuid4().hex
         self._asked = 0.0
         self._is_lost = False
@@ -35,7 +40,8 @@ class DaskCluster:
     def __enter__(self) -> Self:
         with ExitStack() as stack:
             self._client = _connect(self._scheduler, stack)
-            if not self._client.ncores():
+            self._threads, self._counted = _total(self._client.ncores()), time.monotonic()
+            if not self._threads:
                 raise EngineError(
                     f"scheduler {self._scheduler}: has no workers; start one with: "
                     f"dask worker {self._scheduler} --host 127.0.0.1 --dashboard-address "
@@ -46,6 +52,20 @@ class DaskCluster:
 
     def __exit__(self, *_: object) -> None:
         self._stack.close()
+
+    @property
+    def slots(self) -> int:
+        """Tasks that its threads work on, and a few that wait there; workers come and go.
+
+        No more: the scheduler keeps what it holds in memory, and all of that counts as running.
+        """
+        if time.monotonic() - self._counted > _REPEAT and not self.lost():
+            self._counted = time.monotonic()
+            ask = self._client.scheduler.ncores
+            with suppress(OSError):  # of a scheduler that has just gone, or has much to do
+                found = self._client.sync(ask, workers=None, callback_timeout=_LOOK)
+                self._threads = _total(found)
+        return math.ceil(_AHEAD * self._threads)
 
     def submit(self, function: Function, task: Any) -> Future:
         """The future outcome of a task; one whose worker is killed goes to another by itself."""
@@ -87,15 +107,22 @@ class DaskCluster:
         return f"scheduler {self._scheduler} went away"
 
 
+def _total(threads: Mapping[str, int]) -> int:
+    """Threads of all workers, by address."""
+    return sum(threads.values())
+
+
 def _connect(scheduler: str, stack: ExitStack) -> Any:
     """A client of a scheduler, closed with the stack; EngineError where none responds."""
     try:
+        import dask
         from distributed import Client
     except ImportError:
         raise EngineError(
             "engine dask needs the package distributed: pip install 'granulab[cluster]'"
         ) from None
     stack.enter_context(_silence())
+    stack.enter_context(dask.config.set(_NO_LOG))
     try:
         # A look first: a client that cannot connect leaves a traceback on stderr when it goes.
         address = urlsplit(scheduler if "://" in scheduler else f"tcp://{scheduler}")

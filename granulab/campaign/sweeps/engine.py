@@ -5,9 +5,13 @@ which is tried again; the others go on. Ctrl-C makes the running tasks keep thei
 """
 
 import os
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures import Future
+from contextlib import suppress
 from dataclasses import dataclass, field
+from heapq import heappop, heappush
+from queue import Empty, SimpleQueue
 from time import monotonic
 from typing import Any
 
@@ -33,58 +37,70 @@ class Tally:
     stopping: bool = False  # whether they are to end
 
 
-@dataclass
 class _Work:
-    """The tasks of one call of run_tasks and what became of them."""
+    """The tasks of one call of run_tasks and what became of them.
 
-    function: Function
-    tasks: Sequence[Any]
-    needs: Mapping[int, int]
-    outcomes: dict[int, Outcome] = field(default_factory=dict)
-    running: dict[Future, int] = field(default_factory=dict)
-    began: dict[int, float] = field(default_factory=dict)
-    tries: dict[int, int] = field(default_factory=dict)
+    What a task costs here does not grow with their number.
+    """
 
-    def __post_init__(self) -> None:
-        self.waiting = list(range(len(self.tasks)))
+    def __init__(self, tasks: Sequence[Any], needs: Mapping[int, int]) -> None:
+        self.outcomes: dict[int, Outcome] = {}
+        self.running: dict[Future, int] = {}
+        self._tasks = tasks
+        self._began: dict[int, float] = {}
+        self._tries: dict[int, int] = {}
+        self._took: dict[int, float] = {}
+        self._states: Counter[str] = Counter()
+        self._ready = [k for k in range(len(tasks)) if k not in needs]  # a heap
+        self._behind: dict[int, list[int]] = {}  # that wait for a task
+        for k, before in needs.items():
+            self._behind.setdefault(before, []).append(k)
 
-    def ready(self) -> int | None:
-        """The first task that may start; those that wait for a failed one fail with it."""
-        for k in list(self.waiting):
-            before = self.needs.get(k)
-            if before is None or before in self.outcomes:
-                self.waiting.remove(k)
-                ended = None if before is None else self.outcomes[before]
-                if ended is None or ended.state == "done":
-                    return k
-                self.outcomes[k] = Outcome(ended.state, reason=ended.reason)
-        return None
+    def start(self, pool: Any, function: Function) -> Future | None:
+        """Begin the first task that may start; its future, None where there is none."""
+        if not self._ready:
+            return None
+        k = heappop(self._ready)
+        self._began[k] = monotonic()
+        future: Future = pool.submit(function, self._tasks[k])
+        self.running[future] = k
+        return future
 
-    def take(self, future: Future) -> None:
-        """Keep what a future brought, or put its task back where the worker was lost."""
+    def take(self, future: Future) -> list[int]:
+        """Keep what a future brought, or put its task back; the tasks that ended with it."""
         k = self.running.pop(future)
         error = future.exception()
         if error is None:
-            self.outcomes[k] = future.result()
-            return
-        self.tries[k] = self.tries.get(k, 0) + 1
+            return self._end(k, future.result())
+        self._tries[k] = self._tries.get(k, 0) + 1
         if not isinstance(error, WorkerLost):
-            self.outcomes[k] = Outcome("failed", reason=in_one_line(error))
-        elif self.tries[k] < TRIES:
-            self.waiting.insert(0, k)
-        else:
-            self.outcomes[k] = Outcome("failed", reason=f"{error}, {TRIES} times")
+            return self._end(k, Outcome("failed", reason=in_one_line(error)))
+        if self._tries[k] < TRIES:
+            heappush(self._ready, k)
+            return []
+        return self._end(k, Outcome("failed", reason=f"{error}, {TRIES} times"))
+
+    def _end(self, k: int, outcome: Outcome) -> list[int]:
+        """Keep an outcome; those that wait for a failed task fail with it. All that ended."""
+        self.outcomes[k], self._took[k] = outcome, outcome.wall_s
+        self._states[outcome.state] += 1
+        ended = [k]
+        for each in self._behind.pop(k, ()):
+            if outcome.state == "done":
+                heappush(self._ready, each)
+            else:
+                ended += self._end(each, Outcome(outcome.state, reason=outcome.reason))
+        return ended
 
     def tally(self, slots: int, stopping: bool) -> Tally:
-        states = [outcome.state for outcome in self.outcomes.values()]
         return Tally(
-            len(self.tasks),
-            states.count("done"),
+            len(self._tasks),
+            self._states["done"],
             len(self.running),
-            states.count("failed"),
+            self._states["failed"],
             slots,
-            {k: outcome.wall_s for k, outcome in self.outcomes.items()},
-            {k: monotonic() - self.began[k] for k in self.running.values()},
+            self._took,
+            {k: monotonic() - self._began[k] for k in self.running.values()},
             stopping,
         )
 
@@ -98,6 +114,7 @@ def run_tasks(
     workers: int | None = None,
     scheduler: str | None = None,
     report: Callable[[Tally], None] = lambda tally: None,
+    ended: Callable[[int, Outcome], None] = lambda k, outcome: None,
 ) -> list[Outcome]:
     """Call function(task, stop) for every task and return the outcomes in their order.
 
@@ -108,9 +125,14 @@ def run_tasks(
     a second to keep their state; processes that go on (they compile, grow particles, or have long
     frames) are killed, and go on from their last checkpoint the next time. Raises EngineError where
     the engine cannot start.
+
+    report: takes the tally some times a second, and at the end; ended: an index and its outcome
+    as soon as it is known, those left out that were interrupted before they began.
     """
-    work = _Work(function, tasks, needs or {})
+    work = _Work(tasks, needs or {})
+    arrived: SimpleQueue[Future] = SimpleQueue()  # to wait for all of them costs by their number
     reason, asked = "not started", 0.0
+    reported, stopping = -_LOOK, False
     with _pool(engine, workers, scheduler, len(tasks)) as pool, StopRequest() as request:
         while True:
             if request.requested:
@@ -124,19 +146,32 @@ def run_tasks(
                 reason = lost
                 break
             while not request.requested and len(work.running) < pool.slots:
-                k = work.ready()
-                if k is None:
+                future = work.start(pool, function)
+                if future is None:
                     break
-                work.began[k] = monotonic()
-                work.running[pool.submit(function, tasks[k])] = k
-            report(work.tally(pool.slots, request.requested))
+                future.add_done_callback(arrived.put)
+            # The words of a report go over all tasks: some times a second, not for each of them.
+            last = not work.running or request.requested != stopping
+            if last or monotonic() - reported >= _LOOK:
+                reported, stopping = monotonic(), request.requested
+                report(work.tally(pool.slots, stopping))
             if not work.running:
                 break
-            ended = wait(work.running, _LOOK, FIRST_COMPLETED).done
-            for future in ended:
+            for future in _those_in(arrived):
                 if not (pool.lost() and future.exception()):
-                    work.take(future)
+                    for k in work.take(future):
+                        ended(k, work.outcomes[k])
     return [work.outcomes.get(k, Outcome("interrupted", reason=reason)) for k in range(len(tasks))]
+
+
+def _those_in(arrived: "SimpleQueue[Future]") -> list[Future]:
+    """The futures that have ended; where there are none, waits a moment for one."""
+    found = []
+    with suppress(Empty):
+        found.append(arrived.get(timeout=_LOOK))
+        while True:
+            found.append(arrived.get_nowait())
+    return found
 
 
 def _pool(engine: str, workers: int | None, scheduler: str | None, n_tasks: int) -> Any:

@@ -8,7 +8,7 @@ from granulab.campaign.output import room
 from granulab.campaign.output.layout import fitted
 from granulab.campaign.sweeps.cases import LabelledStudy, study_folder
 from granulab.campaign.sweeps.report.axes import key_of
-from granulab.campaign.sweeps.sweep import Labelled, Simulator
+from granulab.campaign.sweeps.sweep import Labelled, Simulator, names_in
 
 
 def cost(simulator: Simulator, cases: Sequence[Labelled]) -> str:
@@ -46,11 +46,13 @@ def in_minutes(seconds: float) -> str:
 
 def plan(simulator: Simulator, loaded: LabelledStudy, out: Path) -> dict[str, Any]:
     """Return what running a study would do; nothing is written."""
-    folders = [simulator.run_folder(case, out) for _, case in loaded.cases]
+    there = names_in(out)
+    folders = [simulator.run_folder(case, out, there) for _, case in loaded.cases]
+    states = [folder.state if folder.path.name in there else "new" for folder in folders]
     todo = {
         folder.path: case
-        for folder, (_, case) in zip(folders, loaded.cases, strict=True)
-        if folder.state != "finished"
+        for folder, state, (_, case) in zip(folders, states, loaded.cases, strict=True)
+        if state != "finished"
     }
     packings, runs = expected_cpu_s(simulator, todo.values(), out)
     lacking = [seconds for file, seconds in packings.items() if not file.exists()]
@@ -58,14 +60,14 @@ def plan(simulator: Simulator, loaded: LabelledStudy, out: Path) -> dict[str, An
         "study": loaded.study.name,
         "folder": str(study_folder(simulator, loaded, out).path),
         "runs": len(loaded.cases),
-        "finished": sum(folder.state == "finished" for folder in folders),
+        "finished": states.count("finished"),
         "packings_to_fill": len(lacking),
         "expected_cpu_s": runs + sum(lacking),
         "disk_bytes_at_most": simulator.disk_of(list(todo.values())),
         "disk_free_bytes": room.free(out),
         "rows": [
-            {**labels, "run_folder": str(folder.path), "state": folder.state}
-            for folder, (labels, _) in zip(folders, loaded.cases, strict=True)
+            {**labels, "run_folder": str(folder.path), "state": state}
+            for folder, state, (labels, _) in zip(folders, states, loaded.cases, strict=True)
         ],
     }
 

@@ -8,7 +8,7 @@ has a seed; where more follows from the seed it has a method `with_seed`.
 import dataclasses
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from functools import partial
@@ -20,8 +20,11 @@ from granulab.campaign.output.terminal import Progress, announce_compilation
 from granulab.campaign.runs.folder import RunFolder, find_run
 from granulab.campaign.runs.protocol import Stop
 from granulab.campaign.runs.provenance import Sources, to_stderr
+from granulab.campaign.runs.result import flat
 from granulab.campaign.runs.stages import in_words
 from granulab.campaign.sweeps.engine import Tally, run_tasks
+from granulab.campaign.sweeps.found.journal import Journal
+from granulab.campaign.sweeps.found.origins import Origins
 from granulab.campaign.sweeps.report.quantities import Quantities
 from granulab.campaign.sweeps.task import EngineError, Function, Outcome
 from granulab.errors import Failed, FolderError, InputError, SimulationError
@@ -86,9 +89,15 @@ class Simulator:
         """Columns of the numbers by which runs are compared."""
         return tuple(number.column for number in self.quantities.numbers)
 
-    def run_folder(self, case: Any, out: Path) -> RunFolder:
-        """Return where a case is run, which a single run finds too; it may not exist yet."""
-        return find_run(out, f"{case.name}-seed{case.settings.run.seed}", self.digest(case))
+    def run_folder(self, case: Any, out: Path, there: Collection[str] | None = None) -> RunFolder:
+        """Return where a case is run, which a single run finds too; it may not exist yet.
+
+        there: the names in `out`, where they are known; what is not among them is not looked for.
+        """
+        name, digest = f"{case.name}-seed{case.settings.run.seed}", self.digest(case)
+        if there is not None and f"{name}-{digest}-2" not in there:  # nor was it begun --again
+            return RunFolder(Path(out) / f"{name}-{digest}")
+        return find_run(out, name, digest)
 
     def disk_of(self, cases: Sequence[Any]) -> int:
         """Bytes that the runs of some cases take at most, none of which is there yet."""
@@ -120,6 +129,7 @@ def run_labelled(
     scheduler: str | None = None,
     quiet: bool = False,
     known: Sequence[Row] = (),
+    journal: Path | None = None,
 ) -> list[Row]:
     """Run labelled cases and return a row for each, in their order.
 
@@ -128,57 +138,90 @@ def run_labelled(
     "interrupted") and "reason" (one line, or ""). A run that is finished below `out` is read, not
     done again; one that is not goes on. After Ctrl-C the runs keep their state and rows that lack
     are "interrupted". A case whose labels a row of `known` has is not run: the row is returned as
-    it is. Raises EngineError where the engine cannot start and FolderError where
-    `out` cannot be used.
+    it is. `journal` is a file in which finished runs are listed with their rows: what it lists is
+    not opened again. Raises EngineError where the engine cannot start and FolderError where `out`
+    cannot be used.
     """
     if known:
-        return beside_known(
-            [labels for labels, _ in cases], known,
-            lambda lacks: run_labelled(simulator, [cases[k] for k in lacks], out=out, engine=engine,
-                                       workers=workers, scheduler=scheduler, quiet=quiet),
-        )  # fmt: skip
+        run = partial(run_labelled, simulator, out=out, engine=engine, workers=workers,
+                      scheduler=scheduler, quiet=quiet, journal=journal)  # fmt: skip
+        labels = [labels for labels, _ in cases]
+        return beside_known(labels, known, lambda lacks: run([cases[k] for k in lacks]))
     out = Path(out).resolve()
-    folders = [simulator.run_folder(case, out) for _, case in cases]
+    there, origins = names_in(out), Origins(simulator, out)
+    folders = [simulator.run_folder(case, out, there) for _, case in cases]
     ended: dict[Path, Outcome] = {}
-    missing: dict[Path, Any] = {}
-    for folder, (_, case) in zip(folders, cases, strict=True):
-        if folder.state == "finished":
-            ended[folder.path] = _read(simulator, folder)
-        else:
-            missing[folder.path] = case
-    if missing:
-        with _place(simulator, list(missing.values()), engine, workers) as (where, at_once):
-            ended |= _run_missing(
-                simulator, missing, out, len(ended), quiet,
-                engine=where, workers=at_once, scheduler=scheduler,
-            )  # fmt: skip
-    _warn_of_other_sources(simulator, [case for _, case in cases], folders, out)
+    with Journal(journal) as lines:
+
+        def keep(folder: RunFolder, case: Any, outcome: Outcome) -> None:
+            ended[folder.path] = outcome
+            if outcome.state == "done" and folder.path in origins.of_these:
+                lines.add(folder, origins.digests(case), outcome.value)
+
+        missing: dict[Path, Any] = {}
+        for folder, (_, case) in zip(folders, cases, strict=True):
+            begun = folder.path.name in there
+            if begun and (fields := lines.fields(folder, origins.digests(case))) is not None:
+                ended[folder.path] = Outcome("done", {**fields, "reused": True})
+                origins.know(folder)
+                continue
+            outcome = _read(simulator, folder) if begun else None
+            origins.look(folder, case, begun=begun)  # after it was read, and perhaps measured again
+            if outcome is None:
+                missing[folder.path] = case
+            else:
+                keep(folder, case, outcome)
+        if missing:
+            _run_missing(simulator, missing, out, len(ended), quiet, keep, engine=engine,
+                         workers=workers, scheduler=scheduler)  # fmt: skip
+    origins.warn()
     return [
         _row(labels, folder.path, ended[folder.path])
         for folder, (labels, _) in zip(folders, cases, strict=True)
     ]
 
 
+def names_in(out: Path) -> set[str]:
+    """Names of what stands in a folder of runs: one look for all of them; none where it lacks."""
+    try:
+        return {path.name for path in out.iterdir()}
+    except OSError:
+        return set()
+
+
 def _run_missing(
     simulator: Simulator, missing: Mapping[Path, Any], out: Path, before: int, quiet: bool,
-    **engine: Any,
-) -> dict[Path, Outcome]:  # fmt: skip
-    """Outcomes of the cases that have not been run, by folder; before: how many were."""
-    if short := room.shortage(simulator.disk_of(list(missing.values())), out):
-        to_stderr(short)
-    announce_compilation(quiet, simulator.compiled())
-    tasks, needs = _tasks(simulator, list(missing.values()), out)
-    title = f"{len(missing)} runs"
-    if len(tasks) > len(missing):
-        title += f", {len(tasks) - len(missing)} packings"
-    costs = [_expected(simulator, task) for task in tasks]
-    with Progress(title, quiet=quiet, estimates=False) as bar:
-        outcomes = run_tasks(
-            simulator.work, tasks, needs=needs, **engine,
-            report=lambda tally: bar.update(*_words(tally, before, costs)),
-        )  # fmt: skip
-    runs = (o for o, task in zip(outcomes, tasks, strict=True) if not task.packing_only)
-    return dict(zip(missing, runs, strict=True))
+    keep: Callable[[RunFolder, Any, Outcome], None], *,
+    engine: str, workers: int | None, scheduler: str | None,
+) -> None:  # fmt: skip
+    """Run the cases that have not been run, by folder; before: how many were.
+
+    keep: takes the folder, the case and the outcome of each as soon as it is known.
+    """
+    cases = list(missing.values())
+    with _place(simulator, cases, engine, workers) as (where, at_once):
+        if short := room.shortage(simulator.disk_of(cases), out):
+            to_stderr(short)
+        announce_compilation(quiet, simulator.compiled())
+        tasks, needs, costs = _tasks(simulator, cases, out)
+        folders = iter(missing)
+        runs = {k: RunFolder(next(folders)) for k, t in enumerate(tasks) if not t.packing_only}
+        title = f"{len(missing)} runs"
+        if len(tasks) > len(missing):
+            title += f", {len(tasks) - len(missing)} packings"
+
+        def end(k: int, outcome: Outcome) -> None:
+            if k in runs:
+                keep(runs.pop(k), tasks[k].case, _with_fields(outcome))
+
+        with Progress(title, quiet=quiet, estimates=False) as bar:
+            outcomes = run_tasks(
+                simulator.work, tasks, needs=needs, engine=where, workers=at_once,
+                scheduler=scheduler, ended=end,
+                report=lambda tally: bar.update(*_words(tally, before, costs)),
+            )  # fmt: skip
+        for k in list(runs):  # what did not end
+            end(k, outcomes[k])
 
 
 @contextmanager
@@ -211,6 +254,14 @@ def beside_known(
     lacks = [k for k, row in enumerate(rows) if row is None]
     made = iter(make(lacks) if lacks else ())
     return [next(made) if row is None else row for row in rows]
+
+
+def refuse_interrupted(rows: Sequence[Row]) -> None:
+    """Raise KeyboardInterrupt, for a person at Python, where runs were cut off by Ctrl-C."""
+    reasons = [row["reason"] for row in rows if row["state"] == "interrupted"]
+    if reasons:
+        lacking = f"{len(reasons)} of {len(rows)} runs are not finished ({reasons[0]})"
+        raise KeyboardInterrupt(f"{lacking}; the same call goes on from there")
 
 
 def is_elsewhere(row: Row) -> bool:
@@ -261,73 +312,52 @@ def without_again(line: str, folder: Path | None = None) -> str:
     return f"{what}; delete {where} and the same command does it again"
 
 
-def _warn_of_other_sources(
-    simulator: Simulator, cases: list[Any], folders: list[RunFolder], out: Path
-) -> None:
-    """One line on stderr where runs, packings or results were made by other sources than these."""
-    by = simulator.made_by or (lambda case: (simulator.sources, simulator.sources))
-    runs, packings, results = {}, {}, {}  # whether others made it, by where it is
-    for case, folder in zip(cases, folders, strict=True):
-        of_run, of_packing = by(case)
-        origin, packing = _origin(folder), simulator.packing_file(case, out)
-        runs[folder.path] = origin.get("source_digest") not in (None, of_run.digest)
-        packings[packing] = simulator.packing_from(packing) not in (None, of_packing.digest)
-        if simulator.measures and "measures_digest" in origin:
-            results[folder.path] = origin["measures_digest"] != simulator.measures.digest
-    of_others = [
-        f"{sum(made.values())} of {len(made)} {what}"
-        for what, made in (("runs", runs), ("packings", packings), ("results", results))
-        if what != "results" or any(made.values())
-    ]
-    if any(not words.startswith("0 ") for words in of_others):
-        to_stderr(
-            f"{' and '.join(of_others)} were made by another version of the sources; delete their "
-            "folders and the same command makes them again"
-        )
-
-
-def _origin(folder: RunFolder) -> dict[str, Any]:
+def _read(simulator: Simulator, folder: RunFolder) -> Outcome | None:
+    """Return what a finished run found, None of another; damaged, it is left as it is."""
+    if folder.state != "finished":
+        return None
     try:
-        return folder.read_provenance()
-    except FolderError:  # not begun; what is damaged is reported in its row
-        return {}
-
-
-def _read(simulator: Simulator, folder: RunFolder) -> Outcome:
-    """Return what a finished run found; damaged, it is refused and left as it is."""
-    try:
-        return Outcome("done", simulator.read(folder))
+        return _with_fields(Outcome("done", simulator.read(folder)))
     except FolderError as error:
         return Outcome("failed", reason=without_again(str(error), folder.path))
 
 
-def _tasks(simulator: Simulator, cases: list[Any], out: Path) -> tuple[list[Task], dict[int, int]]:
+def _with_fields(outcome: Outcome) -> Outcome:
+    """An outcome with the fields of what a run found, in place of the dataclass."""
+    if outcome.value is None:
+        return outcome
+    fields = flat(dataclasses.asdict(outcome.value))
+    plain = {name: list(each) if isinstance(each, tuple) else each for name, each in fields}
+    return dataclasses.replace(outcome, value=plain)
+
+
+def _tasks(
+    simulator: Simulator, cases: list[Any], out: Path
+) -> tuple[list[Task], dict[int, int], list[float]]:
     """Runs in their order; in front of those that share a missing packing, its making.
 
-    The dictionary gives the index of the packing's task by the index of the run that needs it.
+    The dictionary gives the index of the packing's task by the index of the run that needs it; then
+    the expected costs [s]: a run that finds no packing, and shares none, fills it first.
     """
     files = [simulator.packing_file(case, out) for case in cases]
     times = Counter(files)
+    lacking = {file for file in times if not file.exists()}
     tasks: list[Task] = []
+    costs: list[float] = []
     needs: dict[int, int] = {}
     makings: dict[Path, int] = {}
     for file, case in zip(files, cases, strict=True):
-        if times[file] > 1 and not file.exists():
+        packing, run = simulator.expected_cpu_s(case)
+        shared = file in lacking and times[file] > 1
+        if shared:
             if file not in makings:
                 makings[file] = len(tasks)
                 tasks.append(Task(case, out, packing_only=True))
+                costs.append(packing)
             needs[len(tasks)] = makings[file]
-        tasks.append(Task(case, out, packing_only=False, shared=file in makings))
-    return tasks, needs
-
-
-def _expected(simulator: Simulator, task: Task) -> float:
-    """Expected cost [s] of a task; a run that finds no packing fills it first."""
-    packing, run = simulator.expected_cpu_s(task.case)
-    if task.packing_only:
-        return packing
-    alone = not simulator.packing_file(task.case, task.out).exists() and not task.shared
-    return run + (packing if alone else 0.0)
+        tasks.append(Task(case, out, packing_only=False, shared=shared))
+        costs.append(run + (packing if file in lacking and not shared else 0.0))
+    return tasks, needs, costs
 
 
 def _words(tally: Tally, before: int, costs: Sequence[float]) -> tuple[float, str]:
@@ -361,14 +391,6 @@ def progress_of(tally: Tally, costs: Sequence[float]) -> tuple[float, float]:
 
 
 def _row(labels: Labels, folder: Path, outcome: Outcome) -> Row:
-    fields = dict(_flat(dataclasses.asdict(outcome.value))) if outcome.value else {}
+    fields = outcome.value or {}
     state = {"state": outcome.state, "reason": outcome.reason}
     return {**labels, **fields, "run_folder": str(folder), **labels, **state}  # labels in front
-
-
-def _flat(table: dict[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
-    for key, value in table.items():
-        if isinstance(value, dict):
-            yield from _flat(value, f"{before}{key}.")
-        else:
-            yield f"{before}{key}", value

@@ -1,0 +1,1 @@
+"""Runs that a sweep finds: those that its journal lists, and who made the others."""
