@@ -30,7 +30,14 @@ Files = Mapping[str, "Path | Sequence[Path] | None"]
 _LABELS = {"sheet": "diagnostic figure"}  # of files whose JSON key is not what people read
 
 
-class Result(Protocol):
+class Drawn(Protocol):
+    """A measurement, or a film of one, that can be drawn."""
+
+    def figure(self) -> "Figure | None":
+        """The figure, by which a person believes the result or not; None without one."""
+
+
+class Result(Drawn, Protocol):
     """A measurement: numbers, text and figure."""
 
     def to_dict(self) -> dict[str, Any]:
@@ -39,8 +46,16 @@ class Result(Protocol):
     def text(self) -> str:
         """The same for a person, warnings last."""
 
-    def figure(self) -> "Figure | None":
-        """The diagnostic figure, by which a person believes the result or not; None without one."""
+
+class AsText:
+    """Base of results that Python shows as a person reads them."""
+
+    def text(self) -> str:
+        """See Result."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        return self.text()
 
 
 class Parameter(NamedTuple):
@@ -225,7 +240,7 @@ def checked(answers: Mapping[str, Any], measured: Sequence[str | Path] = ()) -> 
         return judged("calibration", answers)
 
 
-def draw(result: Result, path: Path) -> Path:
+def draw(result: Drawn, path: Path) -> Path:
     """Write the diagnostic figure of a result, which must have one, as a PNG; its path."""
     from granulab.campaign.output.figure import write_figure
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from calibration.files.provenance import read_values
-from calibration.result import Parameter
+from calibration.result import AsText, Parameter
 from calibration.statistics.quantity import measured_quantity, plus_minus
 from calibration.statistics.uncertainty import Estimate
 from granulab.contact.files.units import located
@@ -240,8 +240,8 @@ _PARALLEL = (1, 2, 4, 8)  # a corner; a face on a wall; shifted faces; aligned f
 _ENDS: tuple[ContactEnd, ...] = ("overlap", "force")
 
 
-@dataclass(frozen=True)
-class Damping:
+@dataclass(frozen=True, repr=False)
+class Damping(AsText):
     """Damping that a restitution gives in both contact laws; a result (calibration.result).
 
     values     numbers in the unit of their key
@@ -296,6 +296,32 @@ class Damping:
     def _contacts(self) -> str:
         count = self.impact.contacts
         return "one contact" if count == 1 else f"{count} contacts in parallel"
+
+
+def damping(
+    *, restitution: str | None = None, kn: str | None = None, mass: str | None = None,
+    other_mass: str | None = None, area: str | None = None, wall: bool = False,
+    contacts: int = 1, end: Literal["overlap", "force"] = "overlap",
+    materials: str | Path | None = None, pair: str | None = None,
+) -> Damping:  # fmt: skip
+    """Convert a restitution into the damping gamma_n [1/s] of one contact, with its uncertainty.
+
+    restitution   "0.53 +- 0.02", through `contacts` in parallel; else the pair's
+    kn            "1e4 N/mm +- 18 %", of one contact; else the pair's
+    mass          "10.8 g +- 6 %", of a particle; the other is its like
+    other_mass    of the other particle, weighed by itself
+    area          "200 mm2", instead of the mass: of a prism of the pair's first material
+    wall          the other one is a wall that does not move
+    end           a contact ends at zero overlap, or at zero force
+    materials     a parameter file with a `pair`, such as "wood-steel", for what is not given
+
+    Raises InputError, one line, for what is missing or wrong.
+    """
+    file = None if materials is None else str(materials)
+    return damping_of(impact_of(
+        materials=file, pair=pair, restitution=restitution, kn=kn, mass=mass,
+        other_mass=other_mass, area=area, wall=wall, contacts=contacts, end=end,
+    ))  # fmt: skip
 
 
 def damping_of(impact: Impact) -> Damping:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.bench.sections import Columns, Request, Section
-from calibration.result import Parameter
+from calibration.result import AsText, Parameter
 from calibration.statistics.quantity import plus_minus
 from calibration.statistics.uncertainty import Estimate, Pooled, pooled
 from granulab.contact.files.units import located, to_si
@@ -169,8 +169,8 @@ def _widened(
 _MOST_TRIALS = 60  # lines of single trials; JSON has them all
 
 
-@dataclass(frozen=True)
-class Measurement:
+@dataclass(frozen=True, repr=False)
+class Measurement(AsText):
     """Quantities that one method measured from tables; a result (calibration.result).
 
     method      name of the command, written to a parameter file

@@ -5,13 +5,14 @@ damping converts a restitution into damping, published calculates the sources' m
 
 import importlib
 import re
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from calibration import methods
 from calibration.commands.options import (
     answers_options,
     figures_option,
@@ -19,9 +20,13 @@ from calibration.commands.options import (
     into_options,
     roi_option,
 )
+from calibration.methods import METHODS, Inputs
 from calibration.result import Into, draw, finish
 from granulab.campaign.cli.commandline import quiet_option
 from granulab.errors import InputError
+
+if TYPE_CHECKING:
+    from calibration.bench.measure import Measurement
 
 _PAIR = re.compile(r"[^\W\d]\w*-[^\W\d]\w*")  # two materials, as a parameter file names a pair
 
@@ -29,20 +34,16 @@ Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 
 @dataclass(frozen=True)
-class Method:
-    """A method of the bench, in the module of calibration.bench that has the command's name.
+class Command:
+    """Command of a method of the bench, which has the method's name (calibration.methods).
 
-    function   of (files, request, **values of the options), which returns quantities
     help       what --help says; the columns that the method reads follow it
-    writes     {property of a parameter file: key of its quantity}
     options    of its own
     files      at least one is needed
     films      films are read, too
     """
 
-    function: str
     help: str
-    writes: Mapping[str, str] = field(default_factory=dict)
     options: tuple[Decorator, ...] = ()
     files: bool = True
     films: bool = False
@@ -55,9 +56,8 @@ _TRIAL = click.option(
 
 _FILM = (fps_option, roi_option("Part of a film's picture to look at, in pixels."))
 
-METHODS = {
-    "heights": Method(
-        "restitution",
+COMMANDS = {
+    "heights": Command(
         """Restitution from heights of drop and rebound, e = sqrt(H1/H0) (eqs 3.5, 3.6).
 
         A row a trial, a column a drop height, or means with standard deviations; CSV or a
@@ -65,10 +65,8 @@ METHODS = {
 
         For example: calibrate heights drops.xlsx --reading "h1=2 mm"
         """,
-        {"restitution": "restitution"},
     ),
-    "incline": Method(
-        "friction",
+    "incline": Command(
         """Friction from the angle of first slip, mu = tan(alpha), from tables or films.
 
         A row a trial, or a film of a plate that is tilted until a block on it slips.
@@ -77,7 +75,6 @@ METHODS = {
 
         calibrate incline tilt1.mp4 tilt2.mp4 --start-angle "0 deg"
         """,
-        {"friction": "friction"},
         (
             click.option(
                 "--length-along", "along", type=click.Choice(["slope", "base"]), default="slope",
@@ -92,8 +89,7 @@ METHODS = {
         ),
         films=True,
     ),
-    "slide": Method(
-        "damping",
+    "slide": Command(
         """Tangential damping gamma_t of a sliding block (eqs 3.11a-c), from tables or films.
 
         A curve v(t) or x(t), a row a trial, or a film of a block that slides down a plate.
@@ -102,7 +98,6 @@ METHODS = {
 
         calibrate slide slide.mp4 --scale "0.5 mm/px" --fps 100
         """,
-        {"gamma_t": "gamma_t_per_s"},
         (
             _TRIAL,
             click.option(
@@ -114,8 +109,7 @@ METHODS = {
         ),
         films=True,
     ),
-    "compression": Method(
-        "stiffness",
+    "compression": Command(
         """Unloading stiffness of each cycle, modulus, and kn = E A/L.
 
         A record a trial.
@@ -126,7 +120,6 @@ METHODS = {
         Without a file: calibrate compression --constant "modulus=242 MPa +- 15 %" --constant
         "contact_area=1200 mm2" --constant "contact_length=20 mm"
         """,
-        {"kn": "kn_n_per_m", "youngs_modulus": "youngs_modulus_pa"},
         (
             _TRIAL,
             click.option(
@@ -142,25 +135,21 @@ METHODS = {
         ),
         files=False,
     ),
-    "interface": Method(
-        "stiffness_ratio",
+    "interface": Command(
         """kt/kn from displacements and stresses next to an interface.
 
         kt/kn = (sigma_t/sigma_n) (dx_n/dx_t), eq. 3.3; a row a marker.
 
         For example: calibrate interface markers.csv --group surface --reading "dx_t=0.003 mm"
         """,
-        {"kt": "kt_n_per_m"},
     ),
-    "roughness": Method(
-        "mean_roughness",
+    "roughness": Command(
         """Mean roughness Ra of profiles z(x).
 
         Ra = (1/L) integral |z| dx, thesis eq. 7.1; a path a trial.
 
         For example: calibrate roughness paths.csv --trial path --group particle --form circle
         """,
-        {},
         (
             _TRIAL,
             click.option(
@@ -169,15 +158,13 @@ METHODS = {
             ),
         ),
     ),
-    "density": Method(
-        "density",
+    "density": Command(
         """Density, mass over volume, from masses and sizes.
 
         A row a particle.
 
         For example: calibrate density weighed.csv --instrument "mass=0.01 g"
         """,
-        {"density": "density_kg_m3"},
     ),
 }  # fmt: skip
 
@@ -228,8 +215,9 @@ def _module(name: str) -> Any:
     return importlib.import_module(f"calibration.bench.{name}")
 
 
-def _command(name: str, method: Method) -> click.Command:
+def _command(name: str, method: Command) -> click.Command:
     """Make the command of a method: read the options, measure, write and show the result."""
+    writes = METHODS[name].writes
 
     def run(
         files: tuple[str, ...], columns: tuple[str, ...], constants: tuple[str, ...],
@@ -237,18 +225,15 @@ def _command(name: str, method: Method) -> click.Command:
         only: str | None, out: Path | None, quiet: bool, as_json: bool, into: Into | None = None,
         **own: Any,
     ) -> None:  # fmt: skip
-        from calibration.bench.measure import Measurement
-        from calibration.bench.sections import request_of
-
-        module = _module(name)
-        what = request_of(module.INPUTS, columns, constants, instruments, readings, group, only)
-        found = _measured(name, method, files, what, quiet, own)
-        result = Measurement(tuple(found), name, method.writes, not files, quiet)
+        inputs = Inputs(columns=columns, constants=constants, instruments=instruments,
+                        readings=readings, group=group, only=only)  # fmt: skip
+        result = replace(_measured(name, method, files, inputs, quiet, own), brief=quiet)
+        first = result.quantities[0]
         if into is not None:
-            _refuse_several_pairs(into, found[0].pooled.groups)
+            _refuse_several_pairs(into, first.pooled.groups)
         stem = Path(files[0]).stem if files else "constants"
         sheets = [] if out is None else [
-            draw(one, out / f"{name}-{one.name}-film.png") for one in found[0].films
+            draw(one, out / f"{name}-{one.name}-film.png") for one in first.films
         ]  # fmt: skip
         finish(
             result, as_json=as_json, quiet=quiet, out=out, name=f"{name}-{stem}", into=into,
@@ -258,8 +243,8 @@ def _command(name: str, method: Method) -> click.Command:
     command: Callable[..., Any] = run
     for option in reversed(method.options):
         command = option(command)
-    if method.writes:
-        command = into_options(*method.writes)(command)
+    if writes:
+        command = into_options(*writes)(command)
     for option in reversed(_INPUT_OPTIONS):
         command = option(command)
     argument = click.argument("files", nargs=-1, required=method.files, metavar="FILE...")
@@ -267,16 +252,17 @@ def _command(name: str, method: Method) -> click.Command:
 
 
 def _measured(
-    name: str, method: Method, files: tuple[str, ...], what: Any, quiet: bool, own: dict[str, Any]
-) -> Any:
-    """Quantities of a method; its progress is shown where it reads films."""
-    function = getattr(_module(name), method.function)
+    name: str, method: Command, files: tuple[str, ...], inputs: Inputs, quiet: bool,
+    own: dict[str, Any],
+) -> "Measurement":  # fmt: skip
+    """The result of a method; its progress is shown where it reads films."""
+    measure = getattr(methods, f"measure_{name}")
     if not method.films:
-        return function(files, what, **own)
+        return measure(files, **own, **inputs)
     from granulab.campaign.output.terminal import Progress
 
     with Progress(name, quiet) as progress:
-        return function(files, what, progress=progress.update, **own)
+        return measure(files, progress=progress.update, **own, **inputs)
 
 
 def _refuse_several_pairs(into: Into, groups: Iterable[str]) -> None:
@@ -320,13 +306,13 @@ def damping(into: str | None, materials: str | None, pair: str | None, as_json: 
     For example: calibrate damping --restitution "0.53 +- 0.02" --kn "1e4 N/mm" --mass "10.8 g"
     --wall
     """
-    from calibration.bench.damping import damping_of, impact_of
+    from calibration.bench.damping import damping as converted
 
     target = Into(Path(into), pair, None, ("gamma_n",)) if into else None
     if target:
         target.check()
         materials = materials or (into if target.path.exists() else None)
-    result = damping_of(impact_of(materials=materials, pair=pair, **given))
+    result = converted(materials=materials, pair=pair, **given)
     if target:
         one = result.parameters()["gamma_n"]
         written = target.put("gamma_n", one.estimate, method=one.method, source=one.source)
@@ -349,7 +335,7 @@ def published(tables: tuple[str, ...], as_json: bool) -> None:
     finish(calculated(tables), as_json=as_json, figure_key=None)
 
 
-commands = {name: _command(name, method) for name, method in METHODS.items()} | {
+commands = {name: _command(name, method) for name, method in COMMANDS.items()} | {
     "damping": damping,
     "published": published,
 }

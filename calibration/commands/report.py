@@ -24,20 +24,14 @@ def command(file: str, target: Path | None, as_json: bool) -> None:
     FILE is a .toml file or a shipped table, such as wood. For example: calibrate report wood.toml
     --page wood.html
     """
-    from calibration.files import provenance
     from calibration.files.page import page
-    from calibration.files.record import records_of
+    from calibration.files.provenance import report
     from granulab.campaign.output.files import refuse_unless_writable, write_atomic
 
     if target is not None:
         refuse_unless_writable(target.parent, "--page")
-    read = provenance.read_values(file)
-    path, values, _ = read
-    records = records_of(path, values)
+    found = report(file)
     if target is not None:
-        write_atomic(target, page(path, values, records))
+        write_atomic(target, page(found.path, found.values, found.records))
         click.echo(f"page: {target}", err=True)
-    if as_json:
-        click.echo(json.dumps(provenance.as_json(*read, records), indent=2))
-    else:
-        click.echo(provenance.as_text(*read, records))
+    click.echo(json.dumps(found.to_dict(), indent=2) if as_json else found.text())

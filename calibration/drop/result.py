@@ -8,7 +8,7 @@ import numpy as np
 
 from calibration.drop.bounce import STANDARD_GRAVITY, Bounces
 from calibration.drop.first import FirstBounce
-from calibration.result import Parameter
+from calibration.result import AsText, Parameter
 from calibration.statistics.uncertainty import Estimate, as_pair, through
 
 if TYPE_CHECKING:
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from calibration.drop.view.annotate import Still
 
 
-@dataclass(frozen=True)
-class Drop:
+@dataclass(frozen=True, repr=False)
+class Drop(AsText):
     """Result of a drop test; see Bounces for the parts without scale and rate.
 
     rate_header   frames/s that the track's time stamps say; None without them

@@ -1,10 +1,12 @@
 """Origin of each number of a parameter file."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from calibration.files.record import Record
+from calibration.files.record import Record, records_of
+from calibration.result import AsText
 from calibration.statistics.quantity import plus_minus
 from granulab.contact.files.datafile import data_file, read_toml
 from granulab.contact.files.needs import lacking, lacking_words
@@ -55,16 +57,53 @@ def _entries(
     return found
 
 
-def as_json(
-    path: Path, values: dict[tuple[str, str], Measured], needs: list[str], records: Records
-) -> dict[str, Any]:
-    """Numbers in the SI unit that stands with them."""
-    rows = [
-        {"section": where, "key": key, "unit": PROPERTIES[key].unit, **_fields(value),
-         "command": _command(records.get((where, key)))}
-        for (where, key), value in values.items()
-    ]  # fmt: skip
-    return {"path": str(path), "values": rows, "lacking": needs}
+@dataclass(frozen=True, repr=False)
+class Report(AsText):
+    """Origin of each number of a parameter file.
+
+    path     of the file
+    values   by section and key, such as ("pair.wood-steel", "friction"), in SI
+    lacking  what simulators still need of it
+    records  of the values that have one: command, answers and raw data of their measurement
+    """
+
+    path: Path
+    values: dict[tuple[str, str], Measured]
+    lacking: list[str]
+    records: Records
+
+    def to_dict(self) -> dict[str, Any]:
+        """Numbers in the SI unit that stands with them."""
+        rows = [
+            {"section": where, "key": key, "unit": PROPERTIES[key].unit, **_fields(value),
+             "command": _command(self.records.get((where, key)))}
+            for (where, key), value in self.values.items()
+        ]  # fmt: skip
+        return {"path": str(self.path), "values": rows, "lacking": self.lacking}
+
+    def text(self) -> str:
+        """A line for each value, its command and what it replaced below it."""
+        lines, last = [str(self.path)], ""
+        for (where, key), value in self.values.items():
+            if where != last:
+                lines += ["", f"[{where}]"]
+                last = where
+            lines.append(f"  {key:16}{_line(key, value)}")
+            if command := _command(self.records.get((where, key))):
+                lines.append(f"    {'command':14}{command}")
+            lines += [f"    {'before':14}{_line(key, old)}" for old in reversed(value.history)]
+        if self.lacking:
+            lines += ["", f"a simulator still needs {lacking_words(self.lacking)}"]
+        return "\n".join(lines)
+
+
+def report(file: str | Path) -> Report:
+    """The origin of each number of a parameter file, or of a shipped table, such as "wood".
+
+    Raises InputError, one line, for what is wrong in it.
+    """
+    path, values, needs = read_values(file)
+    return Report(path, values, needs, records_of(path, values))
 
 
 def _fields(value: Measured) -> dict[str, Any]:
@@ -79,24 +118,6 @@ def _fields(value: Measured) -> dict[str, Any]:
         "date": value.date and value.date.isoformat(),
         "history": [_fields(old) for old in value.history],
     }
-
-
-def as_text(
-    path: Path, values: dict[tuple[str, str], Measured], needs: list[str], records: Records
-) -> str:
-    """The same for a person: a line for each value, its command and what it replaced below it."""
-    lines, last = [str(path)], ""
-    for (where, key), value in values.items():
-        if where != last:
-            lines += ["", f"[{where}]"]
-            last = where
-        lines.append(f"  {key:16}{_line(key, value)}")
-        if command := _command(records.get((where, key))):
-            lines.append(f"    {'command':14}{command}")
-        lines += [f"    {'before':14}{_line(key, old)}" for old in reversed(value.history)]
-    if needs:
-        lines += ["", f"a simulator still needs {lacking_words(needs)}"]
-    return "\n".join(lines)
 
 
 def _command(record: Record | None) -> str | None:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from calibration.files.signals import Signal
 from calibration.impacts.ratios import Restitution
 from calibration.impacts.search import Search
-from calibration.result import Parameter
+from calibration.result import AsText, Parameter
 from calibration.statistics.quantity import plus_minus
 from calibration.statistics.uncertainty import Estimate
 from granulab.campaign.output.figure import BLUE, GREY, INK, ORANGE, VERMILION, headline
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 _MOST_COLUMNS = 3000  # of a drawn signal: more than a page can show
 
 
-@dataclass(frozen=True)
-class Impacts:
+@dataclass(frozen=True, repr=False)
+class Impacts(AsText):
     """Impacts in a signal and the restitution that follows.
 
     times_s, sigmas_s   (n,) of the impacts, and their standard uncertainty

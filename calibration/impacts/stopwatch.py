@@ -31,7 +31,7 @@ from calibration.files.dialect import rows as lines_of
 from calibration.files.sheets import is_spreadsheet, sheets
 from calibration.impacts.ratios import GRAVITY
 from calibration.impacts.sequence import bouncing
-from calibration.result import Parameter
+from calibration.result import AsText, Parameter
 from calibration.statistics.quantity import plus_minus
 from calibration.statistics.uncertainty import Estimate, Pooled, of_trials, pooled
 from granulab.contact.files.units import to_si
@@ -93,8 +93,8 @@ class Drag:
         return self.p < _SIGNIFICANT and self.slope > 0
 
 
-@dataclass(frozen=True)
-class Stopwatch:
+@dataclass(frozen=True, repr=False)
+class Stopwatch(AsText):
     """Restitution of the throws of a file; a result (calibration.result).
 
     plain, with_drag   pooled over the throws, without the drag term and with it

@@ -13,7 +13,7 @@ from calibration.pendulum.contacts import Swings
 from calibration.pendulum.fit import Fit, rests, starts
 from calibration.pendulum.motion import across, amplitude, root_of_height
 from calibration.pendulum.objects import Objects
-from calibration.result import Parameter
+from calibration.result import AsText, Parameter
 from calibration.statistics.correlated import CHANCE
 from calibration.statistics.uncertainty import Estimate, as_pair
 from calibration.tracking.track import Array
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@dataclass(frozen=True)
-class Pendulum:
+@dataclass(frozen=True, repr=False)
+class Pendulum(AsText):
     """Result of a clip of b objects on strings and n contacts.
 
     objects       their tracks, from left to right

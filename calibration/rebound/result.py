@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from calibration.rebound.contact import SHARES, Contact, Known
-from calibration.result import Parameter
+from calibration.result import AsText, Parameter
 from calibration.statistics.quantity import plus_minus
 from calibration.statistics.uncertainty import Estimate, as_pair, through
 from calibration.tracking.orientation import Orientation
@@ -20,8 +20,8 @@ _INDEFINITE = 0.5  # sigma of a ratio between -1 and 1 that says little of it
 _SPEEDS = ("v_n_before", "v_t_before", "v_n_after", "v_t_after")
 
 
-@dataclass(frozen=True)
-class Rebound:
+@dataclass(frozen=True, repr=False)
+class Rebound(AsText):
     """Result of a rebound.
 
     track, seen   the particle's positions and orientations

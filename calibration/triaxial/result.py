@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from calibration.result import Parameter
+from calibration.result import AsText, Parameter
 from calibration.statistics.quantity import plus_minus
 from calibration.statistics.uncertainty import Estimate, as_pair
 from calibration.tracking.track import Array
@@ -29,8 +29,8 @@ class Setting:
     load_line: float | None
 
 
-@dataclass(frozen=True)
-class Triaxial:
+@dataclass(frozen=True, repr=False)
+class Triaxial(AsText):
     """Result of a triaxial test; values by name, see calibration.triaxial.measure [SI].
 
     load   (n,) at each frame of `dots` [N]

@@ -87,7 +87,7 @@ def _map(
     """Run a map, write and print its results."""
     from damper3d.run.sweep import DAMPER
     from damper3d.studies.map.chart import draw_map
-    from damper3d.studies.map.grid import efficiency_map
+    from damper3d.studies.map.grid import map_so_far
     from damper3d.studies.map.report import as_text, compared, map_folder, summary, write_map
     from damper3d.studies.map.ridges import ridges
     from granulab.campaign.output.files import refuse_unless_writable
@@ -97,7 +97,7 @@ def _map(
 
     refuse_unless_writable(out, "--out")
     folder, grid = map_folder(*of, out), of[2]
-    result = efficiency_map(*of, out=out, **engines)
+    result = map_so_far(*of, out=out, **engines)
     on_ridges = ridges(result, prediction)
     comparison = compared(prediction.name, result, quantities)
     results = summary(grid, result, prediction, on_ridges, folder.path, comparison)

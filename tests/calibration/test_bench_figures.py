@@ -69,7 +69,7 @@ def test_usual_heads_are_of_inputs_that_there_are():
     import importlib
 
     from calibration.bench.sections import _usual_heads
-    from calibration.commands.bench import METHODS
+    from calibration.methods import METHODS
 
     modules = [importlib.import_module(f"calibration.bench.{name}") for name in METHODS]
     names = {one.name for module in modules for one in module.INPUTS}

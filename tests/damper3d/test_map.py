@@ -12,7 +12,14 @@ from made_map import made_row, made_runs
 from damper3d.case.case import DamperCase
 from damper3d.studies.map import grid as mapping
 from damper3d.studies.map.chart import draw_map, gridded
-from damper3d.studies.map.grid import FREQUENCIES, GAMMAS, Grid, MapResult, efficiency_map
+from damper3d.studies.map.grid import (
+    FREQUENCIES,
+    GAMMAS,
+    Grid,
+    MapResult,
+    efficiency_map,
+    map_so_far,
+)
 from damper3d.studies.map.report import as_text, points, summary, write_map
 from damper3d.studies.map.ridges import ridges
 from damper3d.studies.predict.prediction import predict
@@ -156,9 +163,11 @@ def test_refinement_stops_where_runs_were_interrupted(monkeypatch, tmp_path):
         return [{**labels, "state": "interrupted", "reason": ""} for labels, _ in cases]
 
     monkeypatch.setattr(mapping, "run_cases", interrupted)
-    result = made_map(tmp_path, Grid((40.0,), GAMMAS, refine=2))
+    result = map_so_far("thesis", {}, Grid((40.0,), GAMMAS, refine=2), out=tmp_path)
     assert len(result.rows) == len(GAMMAS)
     assert result.columns == ["frequency_hz", "gamma", "seed"]
+    with pytest.raises(KeyboardInterrupt, match="19 of 19 runs are not finished"):
+        made_map(tmp_path, Grid((40.0,), GAMMAS, refine=2))
 
 
 def test_commonest_phase_stands_for_a_point():

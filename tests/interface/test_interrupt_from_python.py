@@ -8,6 +8,7 @@ from contextlib import contextmanager
 
 import pytest
 
+from damper3d import Grid, efficiency_map
 from silo2d import SiloCase, run, sweep
 
 SOON = 5.0  # [s] a second on a machine that is not busy
@@ -32,6 +33,11 @@ def interrupted_once(there):
     finally:
         over.set()
         watching.join()
+
+
+def filling(out):
+    """Whether a worker has begun to fill a silo or a damper, which takes it seconds."""
+    return lambda: any(path.is_dir() for path in (out / "packings").glob("*"))
 
 
 def test_interrupted_run_answers_soon_and_ends_as_the_one_that_was_not(tmp_path, reference):
@@ -64,13 +70,16 @@ def test_interrupted_sweep_is_no_table(tmp_path):
     study.write_text(
         'schema = 1\nname = "two"\ncase = "A4"\nseeds = 2\n[vary]\nsilo.outlet = ["150 mm"]\n'
     )
-    packings = tmp_path / "runs" / "packings"
-
-    def filled_from():
-        """A worker has begun to fill a silo, which takes it seconds."""
-        return any(path.is_dir() for path in packings.glob("*"))
-
-    with interrupted_once(filled_from) as sent:  # noqa: SIM117
+    with interrupted_once(filling(tmp_path)) as sent:  # noqa: SIM117
         with pytest.raises(KeyboardInterrupt, match="of 2 runs are not finished"):
-            sweep(study, out=tmp_path / "runs")
+            sweep(study, out=tmp_path)
+    assert time.monotonic() - sent[0] < SOON
+
+
+@pytest.mark.usefixtures("damper_reference")  # has the kernels compiled, which is not cut short
+def test_interrupted_map_is_no_map(tmp_path):
+    grid = Grid(frequencies=(40.0,), gammas=(5.0, 20.0))
+    with interrupted_once(filling(tmp_path)) as sent:  # noqa: SIM117
+        with pytest.raises(KeyboardInterrupt, match="of 2 runs are not finished"):
+            efficiency_map("thesis", {}, grid, out=tmp_path, quiet=True)
     assert time.monotonic() - sent[0] < SOON

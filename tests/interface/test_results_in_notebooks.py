@@ -4,6 +4,7 @@ import base64
 import math
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -73,6 +74,15 @@ def test_a_result_shows_its_numbers_and_its_first_picture(silo):
         "energy.png",
         "forces.png",
     ]
+
+
+def test_a_result_shows_the_numbers_of_its_tables_and_intervals(damper):
+    """By the names that they have as columns of a sweep; 0.4 as 0.4, and no series."""
+    dissipated = replace(damper, shares={"wall": {"friction": 0.4}}, efficiency_interval=(0.1, 0.3))
+    shown = dissipated._repr_html_()
+    assert "<td>shares.wall.friction</td><td>0.4</td>" in shown
+    assert "<td>efficiency_interval</td><td>0.1 to 0.3</td>" in shown
+    assert "efficiency_per_cycle" not in shown
 
 
 def test_a_film_is_drawn_on_request(damper):

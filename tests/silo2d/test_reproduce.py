@@ -204,7 +204,7 @@ def test_the_command_prints_the_table_and_writes_its_files(requested, tmp_path, 
     assert "clogged" in result.out
     head, rows = read_results(tmp_path / "kept" / "reproduce-clogging.csv")
     assert head["command"] == "silo2d reproduce clogging --seeds 1"
-    assert set(head) == {"command", "versions", "date", "machine"}
+    assert set(head) == {"command", "versions", "date", "arithmetic", "machine"}
     kept = (tmp_path / "kept" / "reproduce-clogging.txt").read_text("utf-8")
     assert result.out.strip() == on_screen(kept.partition("\n\n")[2]).strip()
     assert all(row["state"] == "done" for row in rows)

@@ -67,7 +67,7 @@ def field_of_runs(
 ) -> MapResult:  # fmt: skip
     """Run a case over a grid, and further where it bends; as a map, of which field_of is the field.
 
-    Arguments and errors are those of damper3d.studies.map.grid.efficiency_map.
+    Arguments and errors are those of damper3d.studies.map.grid.map_so_far.
     """
     changes = steady_changes(changes)
     for _, case in map_cases(name_or_path, changes, grid)[:1]:

@@ -17,7 +17,7 @@ from damper3d.run.sweep import run_cases
 from damper3d.studies.map.peaks import Peak, between, find_peaks
 from granulab.campaign.output.layout import stopped
 from granulab.campaign.output.statistics import half_width_of_mean, mean_sd
-from granulab.campaign.sweeps.sweep import Labelled, over_seeds
+from granulab.campaign.sweeps.sweep import Labelled, over_seeds, refuse_interrupted
 from granulab.contact.files.units import nearest
 from granulab.errors import InputError
 
@@ -196,8 +196,18 @@ def efficiency_map(
 
     `name_or_path` and `changes` are those of DamperCase.load, `engine` is what run_cases takes.
     Points are added in rounds, after whole rounds only: the same grid gives the same points
-    whatever was interrupted. Raises what DamperCase.load and run_cases raise.
+    whatever was interrupted. Raises what DamperCase.load and run_cases raise. After Ctrl-C, or a
+    notebook's interrupt, KeyboardInterrupt: what ran has kept its state, and the same call goes on.
     """
+    result = map_so_far(name_or_path, changes, grid, out=out, **engine)
+    refuse_interrupted(result.rows)
+    return result
+
+
+def map_so_far(
+    name_or_path: str, changes: dict[str, Any], grid: Grid, *, out: Path, **engine: Any
+) -> MapResult:
+    """The efficiency map, after Ctrl-C of the runs that are done; the others are among its rows."""
     rounds = iter(range(grid.refine))
 
     def to_add(result: MapResult) -> Points:
@@ -217,7 +227,7 @@ def grow(
 ) -> MapResult:
     """Run a case over a grid, then at the points that to_add gives of what is there, until none.
 
-    After whole rounds only. The other arguments, and what is raised, are those of efficiency_map.
+    After whole rounds only. The other arguments, and what is raised, are those of map_so_far.
     """
     rows = run_cases(map_cases(name_or_path, changes, grid), out=out, **engine)
     while not stopped(rows):

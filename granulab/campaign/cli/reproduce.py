@@ -217,7 +217,7 @@ def rows_there(file: Path, simulator: "Simulator") -> tuple[dict[str, str], list
     """
     from granulab.campaign.output.layout import done
     from granulab.campaign.output.results import read_results
-    from granulab.campaign.runs.provenance import to_stderr
+    from granulab.campaign.runs.provenance import arithmetic, in_words, to_stderr
 
     if not file.exists():
         return {}, [], []
@@ -227,6 +227,8 @@ def rows_there(file: Path, simulator: "Simulator") -> tuple[dict[str, str], list
     words = f"{len(rows)} rows of {made.get('date', 'an unknown date')}, sources {sources}"
     if sources != simulator.sources.digest:
         to_stderr(f"{file}: {words}, are kept, which another version of the sources made")
+    if made.get("arithmetic", here := in_words(arithmetic())) != here:
+        to_stderr(f"{file}: its rows round otherwise ({made['arithmetic']}; here {here})")
     earlier = made.get("kept")
     kept = f"kept: {words}" + (f"; of these {earlier}" if earlier else "")
     return made, rows, [kept]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from granulab.campaign.output.figure import write_figure
 from granulab.campaign.output.files import write_atomic, writing
 from granulab.campaign.output.table import as_csv, as_parquet, read_parquet
-from granulab.campaign.runs.provenance import provenance
+from granulab.campaign.runs.provenance import in_words, provenance
 from granulab.errors import FolderError
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ _WORDS = {"": None, "true": True, "false": False}
 
 
 def origin(command: str, simulator: "Simulator") -> list[str]:
-    """Lines that say which command, versions and machine made a table, and when."""
+    """Lines that say which command, versions, arithmetic and machine made a table, and when."""
     known = provenance(
         command=sys.argv, seed=0, packages=simulator.packages, sources=simulator.sources.folders
     )
@@ -36,6 +36,7 @@ def origin(command: str, simulator: "Simulator") -> list[str]:
         f"command: {command}",
         f"versions: granulab {known['granulab']}, {versions}; sources {known['source_digest']}",
         f"date: {known['started']}",
+        f"arithmetic: {in_words(known['arithmetic'])}",
         f"machine: {machine['cpu']}, {machine['cores']} cores, {machine['platform']}",
     ]
 
@@ -67,7 +68,7 @@ def write_results(
 
 
 def origin_words(lines: Sequence[str]) -> dict[str, str]:
-    """The lines of `origin` by their first word: command, versions, date, machine."""
+    """The lines of `origin` by their first word: command, versions, date, arithmetic, machine."""
     parts = [line.partition(": ") for line in lines]
     return {word: text for word, _, text in parts}
 

@@ -16,8 +16,8 @@ from typing import Any
 import h5py
 import numpy as np
 
-from granulab.campaign.runs.folder import RunFolder, plain
 from granulab.campaign.output.files import replacing
+from granulab.campaign.runs.folder import RunFolder, plain
 from granulab.campaign.runs.h5file import made, opened
 from granulab.campaign.runs.seal import content
 

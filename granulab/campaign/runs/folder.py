@@ -192,7 +192,9 @@ class RunFolder:
 
 def seals_of(texts: Mapping[str, str]) -> dict[str, Any]:
     """Entry of a provenance that seals texts which are about to be written, by name of the file."""
-    return {_SEALS: {name: hashlib.sha256(text.encode()).hexdigest() for name, text in texts.items()}}
+    return {
+        _SEALS: {name: hashlib.sha256(text.encode()).hexdigest() for name, text in texts.items()}
+    }
 
 
 def open_run(root: str | Path, name: str, digest: str, again: bool = False) -> RunFolder:
@@ -243,7 +245,9 @@ def write_json(path: Path, mapping: Mapping[str, Any]) -> None:
     try:
         text = sealed_json(mapping, plain)
     except ValueError as error:
-        raise FolderError(f"{path}: not written, a result is no number ({error}); {_AGAIN}") from None
+        raise FolderError(
+            f"{path}: not written, a result is no number ({error}); {_AGAIN}"
+        ) from None
     write_atomic(path, text)
 
 

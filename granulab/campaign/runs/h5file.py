@@ -14,10 +14,9 @@ from typing import Any
 import h5py
 import numpy as np
 
+from granulab.campaign.output.files import replacing, write_all
 from granulab.campaign.runs import ragged
 from granulab.campaign.runs.folder import SCHEMA
-from granulab.errors import DamagedError, FolderError
-from granulab.campaign.output.files import replacing, write_all
 from granulab.campaign.runs.ragged import Tables
 from granulab.campaign.runs.seal import (
     SEAL_BYTES,
@@ -29,6 +28,7 @@ from granulab.campaign.runs.seal import (
     schema_by_seal,
     seal_of,
 )
+from granulab.errors import DamagedError, FolderError
 
 _CACHE_BYTES = 2**20  # of chunks of each array
 _CHUNK_BYTES = 2**19  # half of it: a chunk is compressed once
@@ -199,7 +199,9 @@ def merge(
     with made(path, "trajectory") as whole:
         whole.create_group("frames")
         targets = {
-            name: whole.create_dataset(name, shape, types[name], **_storage(name, shape, types[name]))
+            name: whole.create_dataset(
+                name, shape, types[name], **_storage(name, shape, types[name])
+            )
             for name, shape in shapes.items()
         }
         filled = dict.fromkeys(shapes, 0)

@@ -1,12 +1,12 @@
-"""Provenance of a run: command, versions, sources, seed, machine, time."""
+"""Provenance of a run: command, versions, sources, seed, arithmetic, machine, time."""
 
 import hashlib
 import os
 import platform
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from datetime import UTC, datetime
-from functools import cached_property
+from functools import cache, cached_property
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -49,7 +49,7 @@ def _extensions(folder: Path) -> list[Path]:
 
 
 class Sources:
-    """Folders of code that decide what is computed; runs, packings and results keep their digest."""
+    """Folders of code that decide what is computed; runs, packings, results keep their digest."""
 
     def __init__(self, *folders: Path) -> None:
         self.folders = folders
@@ -95,6 +95,7 @@ def provenance(
         },
         "source_digest": known.digest,
         "seed": seed,
+        "arithmetic": arithmetic(),
         "machine": {"platform": platform.platform(), "cpu": cpu_model(), "cores": os.cpu_count()},
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
     }
@@ -108,6 +109,81 @@ def cpu_model() -> str:
         lines = []
     models = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
     return next(models, "") or platform.processor() or platform.machine()
+
+
+def arithmetic() -> dict[str, Any]:
+    """Libraries and processors that decide the last bits, besides versions and sources.
+
+    blas     linear algebra that numpy and scipy call: name and version of each
+    core     processor that numpy's OpenBLAS computes for, by itself or as OPENBLAS_CORETYPE says;
+             None of another library
+    kernels  processor that numba compiles for, and those of its features that are used; None
+             where no kernel is loaded
+    """
+    return {"blas": _blas(), "core": _blas_core(), "kernels": _kernels()}
+
+
+@cache
+def _blas() -> dict[str, str]:
+    import numpy
+    import scipy
+
+    found = {}
+    for package in (numpy, scipy):
+        built = package.show_config(mode="dicts")["Build Dependencies"]["blas"]
+        found[package.__name__] = f"{built.get('name')} {built.get('version')}"
+    return found
+
+
+@cache
+def _blas_core() -> str | None:
+    from threadpoolctl import threadpool_info
+
+    loaded = [one for one in threadpool_info() if one["internal_api"] == "openblas"]
+    loaded.sort(key=lambda one: "numpy" not in one["filepath"])  # cv2 has one of its own
+    return loaded[0]["architecture"] if loaded else None
+
+
+def _kernels() -> dict[str, str] | None:
+    if "granulab.contact.jit" not in sys.modules:  # which sets the features
+        return None
+    import numba
+    from llvmlite import binding
+
+    config: Any = numba.config
+    features = config.CPU_FEATURES
+    if features is None:
+        features = binding.get_host_cpu_features().flatten()
+    return {
+        "cpu": binding.get_host_cpu_name() if config.CPU_NAME is None else config.CPU_NAME,
+        "features": " ".join(sorted(one[1:] for one in features.split(",") if one[:1] == "+")),
+    }
+
+
+def in_words(made: Mapping[str, Any]) -> str:
+    """An arithmetic in a line."""
+    words = [f"{package} calls {library}" for package, library in made["blas"].items()]
+    if made["core"]:
+        words.append(f"core {made['core']}")
+    if kernels := made["kernels"]:
+        words.append(
+            f"kernels for {kernels['cpu']} with {len(kernels['features'].split())} features"
+        )
+    return ", ".join(words)
+
+
+def check_arithmetic(what: str, origin: Mapping[str, Any], warn: Warn) -> None:
+    """Warn where the provenance of a run has another arithmetic than this process.
+
+    Versions before the entry have none, and then nobody knows.
+    """
+    made, here = origin.get("arithmetic"), arithmetic()
+    if made is None or made == here:
+        return
+    warn(
+        f"{what} with another arithmetic ({in_words(made)}; here {in_words(here)}), whose "
+        "roundings, and so its bits, do not come again here"
+    )
 
 
 def _version(package: str) -> str | None:

@@ -10,9 +10,9 @@ from functools import cache, cached_property
 import h5py
 import numpy as np
 
-from granulab.errors import FolderError
 from granulab.campaign.runs.folder import Stored
 from granulab.campaign.runs.seal import content
+from granulab.errors import FolderError
 
 Columns = Mapping[str, np.ndarray]
 

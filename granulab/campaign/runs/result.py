@@ -8,6 +8,7 @@ import html
 import importlib
 import json
 import math
+from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -90,11 +91,11 @@ class Results:
         return importlib.import_module(f"{type(self).__module__.partition('.')[0]}.view.picture")
 
     def _repr_html_(self) -> str:
-        """A table of the numbers and the first picture, for notebooks."""
+        """A table of the numbers and the first picture, for notebooks; series are left out."""
         rows = "".join(
             f"<tr><td>{html.escape(name)}</td><td>{html.escape(_word(value))}</td></tr>"
-            for name, value in vars(self).items()
-            if value is None or isinstance(value, bool | int | float | str)
+            for name, value in flat(vars(self))
+            if not isinstance(value, list)
         )
         return f"<table>{rows}</table>{self._picture()}"
 
@@ -107,9 +108,20 @@ class Results:
         return f'<img style="max-width: 100%" src="data:image/png;base64,{image}">'
 
 
-def _word(value: bool | int | float | str | None) -> str:
+def flat(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+    """The entries of nested tables, by names with dots: "dissipated_j.friction"."""
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from flat(value, f"{before}{key}.")
+        else:
+            yield f"{before}{key}", value
+
+
+def _word(value: bool | int | float | str | tuple[float, ...] | None) -> str:
     if value is None:
         return "-"
+    if isinstance(value, tuple):  # an interval
+        return " to ".join(map(_word, value))
     if isinstance(value, float) and math.isfinite(value):
         return f"{value:.6g}"
     return str(value)

@@ -1,4 +1,4 @@
-"""Stages of a run on one scale: the part of all that is done, and the time left from what it cost."""
+"""Stages of a run on one scale: the part of all that is done, and the time left by what it cost."""
 
 import math
 from collections.abc import Callable, Iterator

@@ -17,12 +17,12 @@ from typing import Any, TypeVar
 import h5py
 import numpy as np
 
-from granulab.campaign.runs import ragged
-from granulab.errors import DamagedError, FolderError
 from granulab.campaign.output.files import writing
+from granulab.campaign.runs import ragged
 from granulab.campaign.runs.h5file import merge, opened, save
 from granulab.campaign.runs.ragged import Columns, Tables, in_words, joined, laid_end_to_end
 from granulab.campaign.runs.seal import content
+from granulab.errors import DamagedError, FolderError
 
 T = TypeVar("T")
 Choose = Callable[[str, h5py.Dataset], slice | None]
@@ -171,7 +171,9 @@ class TrajectoryWriter:
     def _take_apart(self) -> None:
         """Undo finish(): the run was cut off after it and before its summary."""
         with opened(self._merged) as file:
-            self.write_static({k: content(data) for k, data in file["static"].items()}, _attributes(file))
+            self.write_static(
+                {k: content(data) for k, data in file["static"].items()}, _attributes(file)
+            )
             start = 0
             for k, n_frames in enumerate(map(int, file.attrs["part_frames"])):
                 end = start + n_frames
@@ -284,7 +286,9 @@ def _part_paths(folder: Path) -> list[Path]:
     parts = _part_files(folder)
     for k, path in enumerate(parts):
         if path != part_file(folder, k):
-            raise FolderError(f"{part_file(folder, k)}: missing; use --again to compute the run again")
+            raise FolderError(
+                f"{part_file(folder, k)}: missing; use --again to compute the run again"
+            )
     static = folder / "static.h5"
     return [*parts, static] if static.exists() else parts
 

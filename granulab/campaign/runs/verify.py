@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from granulab.campaign.runs.folder import RESULTS, RunFolder, read_json
-from granulab.errors import FolderError
 from granulab.campaign.runs.h5file import opened
+from granulab.errors import FolderError
 
 _JSON = ("summary.json", "provenance.json")
 _HDF5 = ("trajectory.h5", "checkpoint.h5", "packing.h5")
