@@ -94,7 +94,7 @@ def test_the_command_describes_and_draws_a_shape(tmp_path):
         [9.119e-3, 9.119e-3, 3.647e-3], rel=1e-3
     )  # 2 (a + b), 2 b with b = 3.5 mm (1.5 pi 1.5)^(-1/3), a = 1.5 b
     assert found["n_particles"] == 110
-    # 18 cycles of 40 Hz in steps of 1 us; 44 us of CPU a step in benchmarks/clusters.py.
+    # 18 cycles of 40 Hz in steps of 1 us; 44 us of CPU a step by `make bench`.
     assert (found["cycles"], found["steps"]) == (18, 450_000)
     assert 20.0 < found["expected_cpu_us_per_step"] < 90.0
     motion = 1e-6 * found["expected_cpu_us_per_step"] * found["steps"] / 60

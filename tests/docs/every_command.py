@@ -1,19 +1,20 @@
 """Every command of the pages run once: how it ends, and after how long.
 
-    python tests/docs/every_command.py [--only WORD] [--write docs/results/commands.csv]
+    python tests/docs/every_command.py [--only WORD]... [--write docs/results/commands.csv]
 
---only: those of pages whose name holds a word; the rows of the others stay.
+--only: those of pages whose name holds one of the words; the rows of the others stay.
 
 The commands of a page run in their order in a folder of their own, which begins with one run of a
 silo and one of a damper (for RUN), and links to data and docs; files that the page says to write
-are there. `end` is: done; planned, of many runs, with --dry-run; left out, of a published table;
-refused (one line and exit code 2: mostly for a reader's own file); longer than LIMIT; or failed,
-with the exit code, which makes that of this script 1.
+are there, and what its Python commands make. `end` is: done; planned, of many runs, with --dry-run;
+left out, of a published table; refused (one line and exit code 2: mostly for a reader's own file);
+longer than LIMIT; or failed, with the exit code, which makes that of this script 1.
 """
 
 import argparse
 import csv
 import os
+import re
 import shlex
 import shutil
 import signal
@@ -59,14 +60,16 @@ def run(words: list[str], folder: Path) -> tuple[str, float]:
 def of_page(page: str, own: list[list[str]], begun: Path, folder: Path) -> list[dict]:
     """A row for each command of a page, run in a copy of the folder that was begun."""
     shutil.copytree(begun, folder, symlinks=True)
-    if (ROOT / page).is_file():
-        for name, text in files_of((ROOT / page).read_text(encoding="utf-8")).items():
-            (folder / name).write_text(text, encoding="utf-8")
+    text = (ROOT / page).read_text(encoding="utf-8")
+    for name, content in files_of(text).items():
+        (folder / name).write_text(content, encoding="utf-8")
+    for command in re.findall(r"^\$ (python (?!-m pytest).*)$", text, re.MULTILINE):
+        run(shlex.split(command), folder)
     rows = []
     for words in own:
         kind = "A2" if words[0] == "silo2d" else "thesis"
         first = min(folder.glob(f"runs/{kind}*"), key=lambda run: run.stat().st_mtime)
-        own_words = [str(first) if word == "RUN" else word for word in words]
+        own_words = [_there(word, first, folder) for word in words]
         planned = words[1:2] and words[1] in MANY and "--dry-run" not in words
         if words[1:2] == ["reproduce"] and len(words) > 2:
             end, lasted = "left out", 0.0
@@ -77,6 +80,16 @@ def of_page(page: str, own: list[list[str]], begun: Path, folder: Path) -> list[
         rows.append({"page": page, "command": command, "end": end, "lasts_s": f"{lasted:.0f}"})
         print(f"{page}: {command}: {end}, {lasted:.1f} s", flush=True)
     return rows
+
+
+def _there(word: str, first: Path, folder: Path) -> str:
+    """A word of a command in a folder: RUN is its first run, a pattern the newest path."""
+    if word == "RUN":
+        return str(first)
+    found = [path for path in folder.glob(word) if path.suffix != ".png"] if "*" in word else []
+    if found:
+        return str(max(found, key=lambda path: path.stat().st_mtime).relative_to(folder))
+    return re.sub("^DATA/", "data/", word)
 
 
 def of_other_pages(file: Path, pages: dict[str, list[list[str]]]) -> list[dict]:
@@ -90,12 +103,12 @@ def of_other_pages(file: Path, pages: dict[str, list[list[str]]]) -> list[dict]:
 def main() -> int:
     """Run them and write the table; 1 where one failed."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--only", default="")
+    parser.add_argument("--only", action="append")
     parser.add_argument("--write", type=Path)
     options = parser.parse_args()
     pages: dict[str, list[list[str]]] = {}
     for page, words in commands():
-        if (ROOT / page).is_file() and options.only in str(page):
+        if (ROOT / page).is_file() and any(word in str(page) for word in options.only or [""]):
             pages.setdefault(str(page), []).append(words)
     rows, began = [], time.monotonic()
     with tempfile.TemporaryDirectory() as name:

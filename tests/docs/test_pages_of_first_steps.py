@@ -1,10 +1,10 @@
-"""Pages for the first ten minutes, and the first change: their commands print what stands there.
+"""Pages with commands behind "$": these are run, and print what stands there.
 
-A block that follows "Write `NAME`:" is that file, a diff is applied. Behind "$" stands a command
-and the others are lines that it prints, in their order; "..." stands for what is left out. Words
-must be the same. Numbers of runs may be 10 % apart: other processors round differently, so that a
-packing is another draw of its kind (docs/runs/folders.md); printed in the same form they are
-compared one by one.
+In a folder with the project's `data` and `docs`. A block that follows "`NAME`:" is that file, a
+diff is applied. Behind "$" stands a command and the others are lines that it prints, in their
+order; "..." stands for what is left out. Words must be the same. Numbers of runs may be 10 % apart:
+other processors round differently, so that a packing is another draw of its kind
+(docs/runs/folders.md); printed in the same form they are compared one by one.
 """
 
 import re
@@ -13,19 +13,20 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from pages import plain_environment
+from pages import PROGRAMS, plain_environment
 
 from granulab.contact.files.datafile import data_root
 
 pytestmark = pytest.mark.docs
 
 DOCS = Path(__file__).parents[2] / "docs"
+FIRST_CHANGE = "reference/first-change.md"
+BEHIND_A_PROMPT = re.compile(rf"^\$ (?:{'|'.join(PROGRAMS)}) ", re.MULTILINE)
 PAGES = [
-    "start/silo.md",
-    "start/damper.md",
-    "start/laboratory.md",
-    "damper/run.md",
-    "damper/beds.md",
+    name
+    for path in sorted(DOCS.glob("*/*.md"))
+    if (name := path.relative_to(DOCS).as_posix()) != FIRST_CHANGE
+    and BEHIND_A_PROMPT.search(path.read_text(encoding="utf-8"))
 ]
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 CLOSE = 0.1
@@ -35,14 +36,15 @@ def steps(text):
     """The files to write and the commands with the lines they print, in the order of a page."""
     found = []
     for before, kind, body in re.findall(r"([^\n]*)\n+```(\w+)\n(.*?)```", text, re.S):
-        named = re.search(r"Write `([^`]+)`:$", before)
-        if named:
+        named = re.search(r"`([^`]+)`:$", before)
+        if named and kind != "console":
             found.append(("file", named.group(1), body))
         elif kind == "diff":
             found.append(("file", "change.diff", body))
             found.append(("command", "git apply change.diff", []))
         elif kind == "console":
-            for part in re.split(r"^\$ ", body, flags=re.M)[1:]:
+            one_line = re.sub(r"\s*\\\n\s*", " ", body)
+            for part in re.split(r"^\$ ", one_line, flags=re.M)[1:]:
                 command, _, printed = part.partition("\n")
                 found.append(("command", command, printed.splitlines()))
     return found
@@ -75,6 +77,8 @@ def lacking(shown, output):
 
 @pytest.mark.parametrize("page", PAGES)
 def test_commands_of_a_page_print_what_stands_there(page, tmp_path):
+    for name in ("data", "docs"):
+        (tmp_path / name).symlink_to(DOCS.parent / name, target_is_directory=True)
     go_through(page, tmp_path)
 
 
@@ -92,7 +96,7 @@ def test_first_change_goes_as_it_stands(tmp_path):
         if (DOCS.parent / name).is_file():
             (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(DOCS.parent / name, tmp_path / name)
-    go_through("reference/first-change.md", tmp_path, PYTHONPATH=str(tmp_path))
+    go_through(FIRST_CHANGE, tmp_path, PYTHONPATH=str(tmp_path))
 
 
 def go_through(page, tmp_path, **environment):

@@ -9,7 +9,7 @@ Which contacts dissipate, and by which mechanism? A small damper of 40 acrylic s
 On the command line::
 
     $ damper3d run --diameter "20 mm" --height "20 mm" --count 40 --gamma 20 --no-figures
-      energy           balance closed to 0.07 % of what is dissipated; ...
+      energy           balance closed to ...
 """
 
 import matplotlib.pyplot as plt

@@ -10,7 +10,7 @@ On the command line::
     $ damper3d run --diameter "20 mm" --height "20 mm" --count 40 --host-mass "60 g" \
           --host-frequency "40 Hz" --host-damping 0.01 --start-displacement "1 mm" \
           --time-step "2 us" --no-figures
-      host             decay from 1 mm to 0.5 after 0.09458 s, ...
+      host             decay from 1 mm to 0.5 after ...
 """
 
 import matplotlib.pyplot as plt

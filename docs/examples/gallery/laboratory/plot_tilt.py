@@ -16,16 +16,14 @@ On the command line::
 import matplotlib.pyplot as plt
 import numpy as np
 
-from calibration import into
-from calibration.bench.incline import INPUTS, friction
-from calibration.bench.sections import request_of
+from calibration import into, measure_incline
 from granulab.contact import data_root
 
 # %%
 # All trials share the error of the zero of the plate's angle, 0.2 deg.
 table = data_root().parent / "docs" / "examples" / "wood" / "tilt_wood.csv"
-(found,) = friction([table], request_of(INPUTS, instruments=["angle=0.2 deg"]))
-mean = found.pooled.all
+found = measure_incline(table, instruments={"angle": "0.2 deg"})
+mean = found.quantities[0].pooled.all
 print(f"{mean.value:.3f} +- {mean.sigma:.3f}")
 
 # %%

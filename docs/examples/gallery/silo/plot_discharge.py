@@ -8,7 +8,7 @@ How fast does a silo empty, and when is the flow steady? Silo A4 of Alonso-Marro
 On the command line::
 
     $ silo2d run A4 --fill-level "150 mm" --no-figures
-      energy           0.404 J dissipated, energy balance closed to 0.2 % of it
+    A4 (changed), seed 1: empty, ...
 """
 
 import matplotlib.pyplot as plt

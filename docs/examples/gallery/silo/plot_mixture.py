@@ -10,7 +10,7 @@ On the command line, with the file that this script writes::
 
     $ silo2d run A4 --shapes mixture.toml --fill-level "150 mm" --no-figures
     $ silo2d observe runs/A4-seed1-*/ segregation
-    square_at_opening  0.0294
+    square_at_opening ...
 """
 
 from pathlib import Path

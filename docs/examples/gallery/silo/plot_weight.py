@@ -8,7 +8,7 @@ floor, whose outlet of 40 mm clogs. Wall forces are means over the time between 
 On the command line::
 
     $ silo2d run D1 --fill-level "100 mm" --no-figures
-    D1 (changed), seed 1: clogged...
+    D1 (changed), seed 1: clogged ...
 """
 
 from silo2d import SiloCase, run
