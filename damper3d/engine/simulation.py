@@ -130,7 +130,7 @@ class Simulation:
         Not more than the bed has parts, and one where something in it keeps the others out
         (shared.steps.one_thread_only).
         """
-        n_threads = min(n_threads, len(self.world.parts) - 1)
+        n_threads = min(n_threads, len(self.world.parts) - 1, state.UNREAD // 2)
         if one_thread_only(self.world):
             n_threads = 1
         self._crew, self._shared = Crew(n_threads) if n_threads > 1 else None, None

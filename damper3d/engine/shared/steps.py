@@ -1,8 +1,8 @@
 """Steps of one bed that several threads share, with the bits of one thread's.
 
-A step has three stages, and all wait for one another after each: the forces of pairs, those of the
-walls with the adding up (results.py), and the motion. Lists are made and samples taken by the first
-thread, while the others wait.
+A step has three stages, and all wait for one another after each: the forces of pairs; what is kept
+of them (results.py) and those of the walls; the motion. Near particles are found by all. The first
+thread makes the lists, adds up the forces on the walls and takes the samples.
 """
 
 from typing import Any, NamedTuple
@@ -65,7 +65,7 @@ class Team(NamedTuple):
     bounds: np.ndarray  # (n_threads + 1,) where the spheres of each begin
     counts: np.ndarray  # (N_COUNTS,) of the first thread, which are the world's
     lengths: np.ndarray  # (N_LENGTHS,) likewise
-    stale: np.ndarray  # (n_threads, 16) whether each thread saw the lists left, far from each other
+    stale: np.ndarray  # (n_threads, 16) whether each thread saw that a list was left
     outcome: np.ndarray  # (1,) of the last search
     impacts: np.ndarray  # (n_threads, 2, 4) World.impacts of each; the first one's are not used
     left: np.ndarray  # (1,) what neighbours.begin_search gave
