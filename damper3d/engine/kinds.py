@@ -45,6 +45,10 @@ def know_pairs(world, n):
     """Note what is known of the first n pairs of a new outer list."""
 
 
+def measure_gaps(world, first, last):
+    """Note the gaps of pairs first ... last - 1 of the outer list, where list_pairs takes them."""
+
+
 def list_pairs(world, skin, left):
     """Fill the inner list with the pairs of spheres nearer than the skin; how many there are.
 
@@ -139,6 +143,13 @@ def _know_pairs(world, n):
     if _rotate(world):
         return lambda world, n: multisphere_pairs.know_pairs(world, n)
     return lambda world, n: pairs.know_pairs(world, n)
+
+
+@specialised(measure_gaps)
+def _measure_gaps(world, first, last):
+    if _rotate(world):
+        return lambda world, first, last: None
+    return lambda world, first, last: pairs.measure_gaps(world, first, last)
 
 
 @specialised(list_pairs)

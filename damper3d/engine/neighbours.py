@@ -22,6 +22,7 @@ from damper3d.engine.kinds import (
     know_pairs,
     list_pairs,
     list_spheres,
+    measure_gaps,
     note_positions,
     note_ways,
     outer_skin,
@@ -92,23 +93,29 @@ def search_pairs(world, shift):
 
     Nothing is lost where a list is full: the caller makes it longer and comes back.
     """
+    if world.counts[INNER] > 0:  # else there was no room, or a state was put back: they are kept
+        give_up_list(world, keep_histories(world, np.int64(0), world.counts[INNER], np.int64(0)))
     left = begin_search(world)
     if np.isnan(left):
         return NOT_FINITE
     if left < 0.0 and not search_outer(world, -left, shift):
         return OUTER_FULL
-    return end_search(world, abs(left))
+    measure_gaps(world, np.int64(0), world.counts[OUTER])
+    outcome = list_inner(world, abs(left))
+    if outcome == DONE:
+        inherit_histories(world, np.int64(0), world.counts[INNER])
+        world.kept.number[0] = 0
+    return outcome
 
 
 @inner
 def begin_search(world):
-    """Give the inner list up; the gap below which all pairs of particles are in the outer list [m].
+    """Measure the gap below which all pairs of particles are in the outer list [m].
 
     With a minus sign where that list is to be made first; NaN where a position is no longer a
     finite number.
     """
     counts, lengths, outer = world.counts, world.lengths, world.outer
-    keep_histories(world)
     adapt(counts, lengths, INNER_SKIN, INNER_MADE, world.cells.largest)
     note_positions(world)
     left = outer_cutoff_left(outer.now, outer.made_at, lengths[OUTER_SKIN])
@@ -121,13 +128,15 @@ def begin_search(world):
 
 
 @inner
-def end_search(world, left):
-    """Make the inner list from the outer one; DONE, or why not. left: as begin_search gave it."""
+def list_inner(world, left):
+    """Make the inner list from the outer one, but for the histories; DONE, or why not.
+
+    left: the size of what begin_search gave.
+    """
     counts, lengths = world.counts, world.lengths
     n = list_pairs(world, lengths[INNER_SKIN], left)
     if n < 0:
         return INNER_FULL if n == -1 else TOO_DEEP
-    inherit_histories(world, n)
     counts[INNER] = n
     note_parts(world)
     counts[INNER_SEARCHES] += 1
@@ -278,16 +287,14 @@ def ascend(numbers, begin, end):
 
 
 @inner
-def keep_histories(world):
-    """Remember the histories of the pairs in contact, as the inner list is given up.
+def keep_histories(world, first, last, n):
+    """Remember the histories of those of pairs first ... last - 1 in contact, n being there before.
 
-    By keys that ascend as the pairs are listed: by pair of particles, then by sphere.
+    Returns how many there are then. By keys that ascend as the pairs are listed: by pair of
+    particles, then by sphere.
     """
-    contacts, kept, counts = world.inner, world.kept, world.counts
-    if counts[INNER] == 0:
-        return  # there was no room, or a state was put back: they are remembered already
-    n = 0
-    for m in range(counts[INNER]):
+    contacts, kept = world.inner, world.kept
+    for m in range(first, last):
         if contacts.history[m, DAMPING] >= 0.0:
             kept.key[n] = key_of(
                 world.shape, len(world.outer.made_at), contacts.i[m], contacts.j[m]
@@ -296,21 +303,29 @@ def keep_histories(world):
                 kept.history[n, h] = contacts.history[m, h]
             copy_rolled(kept.rolling, n, contacts.rolling, m)
             n += 1
-    kept.number[0] = n
-    counts[INNER] = 0
+    return n
 
 
 @inner
-def inherit_histories(world, n_pairs):
-    """Give the pairs of the list the histories that are remembered; both ascend by their keys."""
+def give_up_list(world, n):
+    """Give the inner list up, of which n histories are remembered."""
+    world.kept.number[0] = n
+    world.counts[INNER] = 0
+
+
+@inner
+def inherit_histories(world, first, last):
+    """Give pairs first ... last - 1 the histories that are remembered; both ascend by keys."""
     contacts, kept = world.inner, world.kept
-    old = 0
-    for n in range(n_pairs):
+    old = np.int64(0)
+    for n in range(first, last):
         for h in range(N_HISTORY):
             contacts.history[n, h] = 0.0
         contacts.history[n, DAMPING] = NO_CONTACT
-    wipe_rolled(contacts.rolling, n_pairs)
-    for n in range(n_pairs):
+    wipe_rolled(contacts.rolling, first, last)
+    if first > 0 and first < last:
+        old = key_from(world, contacts.i[first], contacts.j[first])
+    for n in range(first, last):
         if old == kept.number[0]:
             break
         key = key_of(world.shape, len(world.outer.made_at), contacts.i[n], contacts.j[n])
@@ -320,7 +335,20 @@ def inherit_histories(world, n_pairs):
             for h in range(N_HISTORY):
                 contacts.history[n, h] = kept.history[old, h]
             copy_rolled(contacts.rolling, n, kept.rolling, old)
-    kept.number[0] = 0
+
+
+@inner
+def key_from(world, i, j):
+    """Return the first of the remembered keys that is not below that of a pair of spheres."""
+    kept, key = world.kept, key_of(world.shape, len(world.outer.made_at), i, j)
+    low, high = np.int64(0), kept.number[0]
+    while low < high:
+        middle = (low + high) // 2
+        if kept.key[middle] < key:
+            low = middle + 1
+        else:
+            high = middle
+    return low
 
 
 @inner

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from host_scenes import resolved
 
+from damper3d.engine.laws.cohesion import Dmt
+from damper3d.engine.laws.table import Contact, law_table
 from damper3d.run.fill import resting
 
 STEPS, PER_SAMPLE = 2400, 100  # lists are made anew some hundred times
@@ -25,8 +27,8 @@ def in_parts(sim, n_parts=PARTS):
 
 def hosted():
     """Twenty balls in an enclosure on a host, which takes their force at each step."""
-    host = {"mass": "0.1 kg", "frequency": "20 Hz", "damping": 0.02, "drive": "base"}
-    case = resolved(host=host, motion={"amplitude": "2 mm", "frequency": "20 Hz"})
+    host = {"mass": "0.02 kg", "frequency": "40 Hz", "damping_ratio": 0.02, "force": "4 N"}
+    case = resolved(host=host, motion={"frequency": "40 Hz"})
     x, y, z = np.meshgrid(*[6e-3 * np.array([-0.5, 0.5])] * 2, 2.6e-3 + 5.5e-3 * np.arange(4))
     places = np.column_stack([x.ravel(), y.ravel(), z.ravel()])
     sim = resting(case, places)
@@ -34,9 +36,21 @@ def hosted():
     return sim
 
 
+def of_kinds():
+    """Spheres whose contacts have the law of their kinds, with DMT's cohesion."""
+    law = Contact(damper_beds.acrylic(), surface=0.05)
+    laws = law_table([law], np.zeros((2, 2), int), np.zeros(36, int), np.full(36, 2.5e-3), Dmt(),
+                     walls=np.array([1, 1, 1]))  # fmt: skip
+    return damper_beds.bed("cylinder", pair_law=laws, wall_law=laws, steps_per_sample=PER_SAMPLE)
+
+
 BEDS = {
     "spheres in a cylinder": lambda: damper_beds.bed("cylinder", steps_per_sample=PER_SAMPLE),
     "spheres in a box": lambda: damper_beds.bed("box", steps_per_sample=PER_SAMPLE),
+}
+MORE = {  # each has kernels of its own, half a minute to compile
+    "kinds": of_kinds,
+    "host": hosted,
     "clusters": lambda: cluster_beds.bed(
         "box", cluster_beds.asymmetric(cluster_beds.particle()), steps_per_sample=PER_SAMPLE
     ),
@@ -54,11 +68,35 @@ def gone_on(sim, n_threads):
     return {**columns, **{f"saved {name}": array for name, array in sim.save().items()}}
 
 
-@pytest.mark.parametrize("n_threads", [2, 3, 8])
-@pytest.mark.parametrize("name", BEDS)
-def test_no_bit_depends_on_the_number_of_threads(name, n_threads):
-    expected = gone_on(in_parts(BEDS[name]()), 1)
-    found = gone_on(in_parts(BEDS[name]()), n_threads)
+def compare(make, n_threads):
+    expected, found = gone_on(in_parts(make()), 1), gone_on(in_parts(make()), n_threads)
     assert expected["saved books"].any()
     for what, array in expected.items():
         assert np.array_equal(found[what], array), what
+
+
+@pytest.mark.parametrize("n_threads", [2, 3, 8])
+@pytest.mark.parametrize("name", BEDS)
+def test_no_bit_depends_on_the_number_of_threads(name, n_threads):
+    compare(BEDS[name], n_threads)
+
+
+@pytest.mark.validation
+@pytest.mark.parametrize("n_threads", [2, 3, 8])
+@pytest.mark.parametrize("name", MORE)
+def test_no_bit_of_other_beds_depends_on_the_number_of_threads(name, n_threads):
+    compare(MORE[name], n_threads)
+
+
+def test_a_bed_goes_on_with_another_number_of_threads():
+    """Also by one thread after several."""
+    expected, found = (in_parts(BEDS["spheres in a box"]()) for _ in range(2))
+    expected.run(24)
+    for n_threads in (2, 1, 3):
+        again = in_parts(BEDS["spheres in a box"]())
+        again.restore(found.save())
+        again.share(n_threads)
+        again.run(8)
+        found = again
+    assert found.state_digest() == expected.state_digest()
+    assert np.array_equal(found.world.balance, expected.world.balance)

@@ -140,8 +140,8 @@ def copy_rolled(to, a, rows, b):
     """Let row a of an array be row b of another; nothing where nothing rolls."""
 
 
-def wipe_rolled(rows, n):
-    """Let the first n rows be zero; nothing where nothing rolls."""
+def wipe_rolled(rows, first, last):
+    """Let rows first ... last - 1 be zero; nothing where nothing rolls."""
 
 
 @specialised(copy_rolled)
@@ -158,14 +158,14 @@ def _copy_row(to, a, rows, b):
 
 
 @specialised(wipe_rolled)
-def _wipe_rolled(rows, n):
+def _wipe_rolled(rows, first, last):
     if isinstance(rows, types.NoneType):
-        return lambda rows, n: None
-    return lambda rows, n: _wipe_rows(rows, n)
+        return lambda rows, first, last: None
+    return lambda rows, first, last: _wipe_rows(rows, first, last)
 
 
 @inner
-def _wipe_rows(rows, n):
-    for k in range(n):
+def _wipe_rows(rows, first, last):
+    for k in range(first, last):
         for c in range(rows.shape[1]):
             rows[k, c] = 0.0

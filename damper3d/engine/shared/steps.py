@@ -1,8 +1,8 @@
 """Steps of one bed that several threads share, with the bits of one thread's.
 
 A step has three stages, and all wait for one another after each: the forces of pairs; what is kept
-of them (results.py) and those of the walls; the motion. Near particles are found by all. The first
-thread makes the lists, adds up the forces on the walls and takes the samples.
+of them (results.py) and those of the walls; the motion. All find near particles and carry the
+histories of contacts over. The first thread lists, adds up the forces on the walls and samples.
 """
 
 from typing import Any, NamedTuple
@@ -21,12 +21,21 @@ from damper3d.engine.forces import (
 )
 from damper3d.engine.geometry import copy
 from damper3d.engine.integrate import enclosure_at, force_so_far, ride, search
-from damper3d.engine.kinds import first_sphere, move
+from damper3d.engine.kinds import first_sphere, measure_gaps, move
 from damper3d.engine.laws.cohesion import Jkr
 from damper3d.engine.laws.table import LawTable, face_wall
 from damper3d.engine.motions import Turning
 from damper3d.engine.motions.host import rides
-from damper3d.engine.neighbours import begin_outer, begin_search, end_search, know_outer, near_pairs
+from damper3d.engine.neighbours import (
+    begin_outer,
+    begin_search,
+    give_up_list,
+    inherit_histories,
+    keep_histories,
+    know_outer,
+    list_inner,
+    near_pairs,
+)
 from damper3d.engine.shared.results import (
     Kept,
     Results,
@@ -39,10 +48,13 @@ from damper3d.engine.shared.results import (
 from damper3d.engine.state import (
     BEGUN,
     BEYOND,
+    DAMPING,
     DONE,
     FASTEST,
+    INNER,
     N_MECHANISMS,
     NOT_FINITE,
+    OUTER,
     OUTER_FULL,
     STALE_INNER,
     STALE_WALL,
@@ -70,7 +82,7 @@ class Team(NamedTuple):
     impacts: np.ndarray  # (n_threads, 2, 4) World.impacts of each; the first one's are not used
     left: np.ndarray  # (1,) what neighbours.begin_search gave
     near: np.ndarray  # (n_threads, 2, capacity) uint32, near pairs that each thread found
-    n_near: np.ndarray  # (n_threads,) how many, -1 for no room
+    n_own: np.ndarray  # (n_threads,) how many each found, or remembers; -1 for no room
     foreign: np.ndarray  # (n_threads, n_threads, capacity) uint32, see Results.foreign
     n_foreign: np.ndarray  # (n_threads, n_threads)
     sums: np.ndarray  # (n_parts, 8) what they dissipate, see forces.add_dissipated
@@ -143,24 +155,15 @@ def _enclosure_now(world):
 def _search(world, team, thread, shift, arrived):
     """Make stale lists again, and share out the contacts with walls; DONE or why not, arrived."""
     n_threads, is_first = len(team.impacts), thread == 0
-    left = 0.0
-    if world.counts[STALE_INNER]:
-        if is_first:
-            team.left[0] = begin_search(world)
-            if team.left[0] < 0.0:
-                begin_outer(world, shift)
-        arrived = wait(team.clock, n_threads, arrived)
-        left = team.left[0]
-        if left < 0.0:
-            arrived = _search_outer(world, team, thread, -left, arrived)
     if is_first:
-        team.outcome[0] = _end_search(world, team, shift, left)
-        if left != 0.0:
-            _share_out(world, team)
+        team.outcome[0] = DONE
+    if world.counts[STALE_INNER]:
+        arrived = _search_pairs(world, team, thread, shift, arrived)
+    if is_first:
+        if team.outcome[0] == DONE:
+            team.outcome[0] = search(world, shift)  # of the walls
         _share_walls(world, team)
     arrived = wait(team.clock, n_threads, arrived)
-    if left != 0.0:
-        arrived = _choose_rows(world, team, thread, arrived)
     if not is_first:
         copy(world.counts, team.counts, len(team.counts))
         copy(world.lengths, team.lengths, len(team.lengths))
@@ -168,60 +171,92 @@ def _search(world, team, thread, shift, arrived):
 
 
 @inlined_inner
+def _search_pairs(world, team, thread, shift, arrived):
+    """Make the inner list again, as neighbours.search_pairs; the outcome is in team."""
+    n_threads, is_first = len(team.impacts), thread == 0
+    arrived = _keep_histories(world, team, thread, arrived)
+    if is_first:
+        team.left[0] = begin_search(world)
+        if np.isnan(team.left[0]):
+            team.outcome[0] = NOT_FINITE
+        elif team.left[0] < 0.0:
+            begin_outer(world, shift)
+    arrived = wait(team.clock, n_threads, arrived)
+    if team.left[0] < 0.0:
+        arrived = _search_outer(world, team, thread, -team.left[0], arrived)
+    n_outer = team.counts[OUTER]
+    measure_gaps(world, n_outer * thread // n_threads, n_outer * (thread + 1) // n_threads)
+    arrived = wait(team.clock, n_threads, arrived)
+    if is_first and team.outcome[0] == DONE:
+        team.outcome[0] = list_inner(world, abs(team.left[0]))
+        _share_out(world, team)
+    arrived = wait(team.clock, n_threads, arrived)
+    if team.outcome[0] == DONE:
+        arrived = _take_pairs(world, team, thread, arrived)
+    return arrived
+
+
+@inlined_inner
+def _keep_histories(world, team, thread, arrived):
+    """Remember the histories of the inner list, each thread those of its pairs."""
+    n_threads = len(team.impacts)
+    if team.counts[INNER] == 0:  # they are remembered already
+        return wait(team.clock, n_threads, arrived)
+    first = world.first_pair[team.parts[thread]]
+    last = world.first_pair[team.parts[thread + 1]]
+    own = np.int64(0)
+    for m in range(first, last):
+        own += np.int64(world.inner.history[m, DAMPING] >= 0.0)
+    team.n_own[thread] = own
+    arrived = wait(team.clock, n_threads, arrived)
+    n = np.int64(0)
+    for other in range(thread):
+        n += team.n_own[other]
+    n = keep_histories(world, first, last, n)
+    arrived = wait(team.clock, n_threads, arrived)
+    if thread == n_threads - 1:
+        give_up_list(world, n)
+        team.counts[INNER] = 0
+    return wait(team.clock, n_threads, arrived)
+
+
+@inlined_inner
+def _take_pairs(world, team, thread, arrived):
+    """Give a thread's pairs their histories, and choose the rows that take their loads."""
+    n_threads = len(team.impacts)
+    first = world.first_pair[team.parts[thread]]
+    last = world.first_pair[team.parts[thread + 1]]
+    world.results.own[0] = first
+    inherit_histories(world, first, last)
+    mark_waiting(world, first, last)
+    arrived = wait(team.clock, n_threads, arrived)
+    if thread == 0:
+        world.kept.number[0] = 0
+    choose_rows(world, first, last, len(world.spheres.inverse_mass) + 1 + 2 * thread)
+    return arrived
+
+
+@inlined_inner
 def _search_outer(world, team, thread, skin, arrived):
     """Let each thread find the near pairs of its particles, and bring them to the outer list."""
     outer, near = world.outer, team.near[thread]
     begin, end = world.parts[team.parts[thread]], world.parts[team.parts[thread + 1]]
-    team.n_near[thread] = near_pairs(near[0], near[1], world.cells, outer.now, skin, begin, end)
+    team.n_own[thread] = near_pairs(near[0], near[1], world.cells, outer.now, skin, begin, end)
     arrived = wait(team.clock, len(team.impacts), arrived)
-    n = _n_near(team, thread)
-    if n >= 0:
-        for k in range(team.n_near[thread]):
-            outer.i[n + k], outer.j[n + k] = near[0, k], near[1, k]
-    return wait(team.clock, len(team.impacts), arrived)
-
-
-@inner
-def _n_near(team, n_threads):
-    """Return how many pairs the first threads found, or -1 where there is no room for all."""
-    total = np.int64(0)
-    for thread in range(len(team.n_near)):
-        if team.n_near[thread] < 0:
-            return np.int64(-1)
-        total += team.n_near[thread]
+    n, total = np.int64(0), np.int64(0)
+    for other in range(len(team.n_own)):
+        own = team.n_own[other]
+        n += own if other < thread else 0
+        total = total + own if own >= 0 and total >= 0 else np.int64(-1)
     if total > team.near.shape[2]:
-        return np.int64(-1)
-    total = np.int64(0)
-    for thread in range(n_threads):
-        total += team.n_near[thread]
-    return total
-
-
-@inlined_inner
-def _end_search(world, team, shift, left):
-    """Go on to the lists; left: what begin_search gave, 0 where the inner list holds."""
-    if np.isnan(left):
-        return np.int64(NOT_FINITE)
-    if left < 0.0 and not know_outer(world, _n_near(team, len(team.n_near))):
-        return np.int64(OUTER_FULL)
-    if left != 0.0:
-        outcome = end_search(world, abs(left))
-        if outcome != DONE:
-            return outcome
-    return search(world, shift)
-
-
-@inlined_inner
-def _choose_rows(world, team, thread, arrived):
-    """Choose the rows that take the loads of a thread's pairs, when all know which spheres wait."""
-    first = world.first_pair[team.parts[thread]]
-    last = world.first_pair[team.parts[thread + 1]]
-    world.results.own[0] = first
-    mark_waiting(world, first, last)
+        total = np.int64(-1)
+    if total >= 0:
+        for k in range(team.n_own[thread]):
+            outer.i[n + k], outer.j[n + k] = near[0, k], near[1, k]
     arrived = wait(team.clock, len(team.impacts), arrived)
-    unread = len(world.spheres.inverse_mass) + 1 + 2 * thread
-    choose_rows(world, first, last, unread)
-    return arrived
+    if thread == 0 and not know_outer(world, total):
+        team.outcome[0] = OUTER_FULL
+    return wait(team.clock, len(team.impacts), arrived)
 
 
 @inner
@@ -362,7 +397,7 @@ class SharedSteps:
             impacts=np.stack([world.impacts * [0.0, 0.0, 0.0, 1.0]] * n),
             left=np.zeros(1),
             near=np.empty((n, 2, len(world.outer.i)), np.uint32),
-            n_near=np.zeros(n, np.int64),
+            n_own=np.zeros(n, np.int64),
             foreign=np.empty((n, n, capacity), np.uint32),
             n_foreign=np.zeros((n, n), np.int64),
             sums=np.zeros((n_parts, 8)),

@@ -50,7 +50,6 @@ def list_pairs(world, skin):
     Each sphere may leave the mean motion by half of the skin.
     """
     outer, pairs, contacts, x = world.outer, world.shape, world.inner, world.spheres.position
-    gaps(outer, pairs, x, world.counts[OUTER])
     n = np.int64(0)
     for k in range(np.uintp(world.counts[OUTER])):
         if pairs.gap[k] < skin:
@@ -72,9 +71,10 @@ def list_pairs(world, skin):
 
 
 @inner
-def gaps(outer, pairs, x, n_outer):
-    """The gaps of all pairs of the outer list; without a branch, so that it is vectorised."""
-    for k in range(np.uintp(n_outer)):
+def measure_gaps(world, first, last):
+    """Note the gaps of pairs of the outer list; without a branch, so that it is vectorised."""
+    outer, pairs, x = world.outer, world.shape, world.spheres.position
+    for k in range(np.uintp(first), np.uintp(last)):
         i, j = outer.i[k], outer.j[k]
         dx, dy, dz = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
         pairs.gap[k] = np.sqrt(dx * dx + dy * dy + dz * dz) - pairs.cutoff[k]
