@@ -94,7 +94,11 @@ def test_a_constant_that_is_off_by_a_twentieth_is_found(name, path):
 
 @pytest.mark.validation
 def test_the_thesis_damper_of_the_pack_agrees_with_its_recorded_numbers(tmp_path):
-    """One more packing within t s sqrt(1 + 1/n) of each mean (95 %), LAMMPS's among them."""
+    """One more packing within t s sqrt(1 + 1/n) of each mean (95 %), LAMMPS's among them.
+
+    Of seven numbers one may be missed: by chance two are or more once in 23 packings.
+    """
+    missed = []
     for variant, case, rows in variants("damper-thesis"):
         solid, particles, law = case["material"][0], case["particles"], case["law"]
         radius = particles["radius_m"]
@@ -113,9 +117,11 @@ def test_the_thesis_damper_of_the_pack_agrees_with_its_recorded_numbers(tmp_path
         found = run(DamperCase.load("thesis", changes), out=tmp_path)
         ours = {"efficiency": found.efficiency_with_settling,
                 "efficiency by wall work": found.efficiency_wall_work}  # fmt: skip
-        for row in rows:
-            off = abs(ours[row["quantity"]] - float(row["value"]))
-            assert off <= float(row["tolerance"]), f"{variant}: {row['source']}"
+        missed += [
+            f"{variant}: {row['source']}" for row in rows
+            if abs(ours[row["quantity"]] - float(row["value"])) > float(row["tolerance"])
+        ]  # fmt: skip
+    assert len(missed) <= 1, missed
 
 
 def resources():
