@@ -52,6 +52,7 @@ from damper3d.engine.state import (
     DONE,
     FASTEST,
     INNER,
+    INNER_SEARCHES,
     N_MECHANISMS,
     NOT_FINITE,
     OUTER,
@@ -59,6 +60,7 @@ from damper3d.engine.state import (
     STALE_INNER,
     STALE_WALL,
     STEP,
+    WALL_SEARCHES,
     WALL_WORK,
     World,
     zeros,
@@ -408,7 +410,7 @@ class SharedSteps:
         self._waits = np.zeros(len(world.spheres.inverse_mass), np.bool_)
         kept = room_for(capacity, 0), room_for(at_walls, at_walls)
         self._worlds = [self._world_of(thread, *kept) for thread in range(n)]
-        world.counts[STALE_INNER] = 1  # the rows that take their loads are to be chosen
+        self._searches = -1, -1  # of pairs and of walls, when the lists were shared out last
 
     def _world_of(self, thread: int, pairs: Kept, walls: Kept) -> World:
         """The world as a thread sees it: what it writes for itself is its own."""
@@ -448,13 +450,21 @@ class SharedSteps:
         return self._run(advance_shared, (n_steps, 0))[:2]
 
     def _run(self, kernel: Any, arguments: tuple[Any, ...]) -> Any:
-        """Call a kernel in each thread."""
+        """Call a kernel in each thread.
+
+        Lists that were made without the threads, for a look at the bed, are made again.
+        """
+        counts = self.world.counts
+        if self._searches != (counts[INNER_SEARCHES], counts[WALL_SEARCHES]):
+            counts[STALE_INNER] = 1
         self._team.clock[0] = 0
         for world in self._worlds[1:]:
             world.counts[:], world.lengths[:] = self.world.counts, self.world.lengths
-        return self._crew.run(
+        ended = self._crew.run(
             kernel, [(world, self._team, t, *arguments) for t, world in enumerate(self._worlds)]
         )
+        self._searches = int(counts[INNER_SEARCHES]), int(counts[WALL_SEARCHES])
+        return ended
 
 
 def _own(law: Any) -> Any:

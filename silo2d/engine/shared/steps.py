@@ -27,6 +27,7 @@ from silo2d.engine.state import (
     DONE,
     FX,
     FY,
+    INNER_SEARCHES,
     LIVE,
     OUTER,
     PARTICLE_PARTICLE,
@@ -230,11 +231,18 @@ class SharedSteps:
             seen=np.zeros((n, 16), np.bool_),
             outcome=np.full(1, DONE),
         )
-        world.counts[STALE] = max(world.counts[STALE], 1)  # the pairs are to be named to others
+        self._searches = -1  # when the pairs were named to others last
 
     def step(self, n_steps: int) -> tuple[int, int]:
-        """See simulation.advance."""
+        """See simulation.advance.
+
+        Lists that were made without the threads, for a look at the silo, are made again.
+        """
+        counts = self.world.counts
+        if self._searches != counts[INNER_SEARCHES]:
+            counts[STALE] = max(counts[STALE], 1)
         self._team.clock[0] = 0
         arguments = [(self.world, self._team, t, n_steps) for t in range(self._crew.n_threads)]
         taken, outcome = self._crew.run(advance_shared, arguments)
+        self._searches = int(counts[INNER_SEARCHES])
         return taken, outcome
