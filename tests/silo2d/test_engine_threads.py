@@ -40,8 +40,8 @@ def silo(vibrates):
 def gone_on(sim, n_threads):
     """All that is kept of a silo but how often it was searched, after steps by so many threads."""
     assert sim.share(n_threads) == min(n_threads, PARTS)
-    for _ in range(8):
-        sim.run(STEPS // 8)
+    for _ in range(80):
+        sim.run(STEPS // 80)
         sim.world.counts[state.STALE] = 1
         sim.refresh()  # a look at the silo makes lists without the threads
     saved, counts = sim.save(), sim.world.counts
