@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from granulab.campaign.output.files import write_atomic
-from granulab.campaign.output.table import as_csv
+from granulab.campaign.output.table import as_csv, flat
 from granulab.errors import InputError
 
 Rows = list[dict[str, Any]]
@@ -49,7 +49,7 @@ def tables_of(answers: Mapping[str, Any]) -> dict[str, Rows]:
     values: Rows = []
     tables: dict[str, Rows] = {}
     series: dict[str, list[Any]] = {}
-    for name, value in _flat(answers):
+    for name, value in flat(answers):
         if isinstance(value, list) and value and all(isinstance(one, dict) for one in value):
             tables[name] = [dict(_in_a_line(one)) for one in value]
         elif isinstance(value, list) and any(isinstance(one, str) for one in value):
@@ -68,17 +68,9 @@ def tables_of(answers: Mapping[str, Any]) -> dict[str, Rows]:
     return found
 
 
-def _flat(answers: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
-    for key, value in answers.items():
-        if isinstance(value, dict):
-            yield from _flat(value, f"{before}{key}.")
-        else:
-            yield f"{before}{key}", value
-
-
 def _in_a_line(row: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     """An object of a list: what it holds of lists as words, since a cell holds one value."""
-    for key, value in _flat(row):
+    for key, value in flat(row):
         if isinstance(value, list):
             value = " ".join(f"{one:.6g}" if isinstance(one, float) else str(one) for one in value)
         yield key, value

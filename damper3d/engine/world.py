@@ -27,6 +27,7 @@ from damper3d.engine.state import (
     no_history,
     zeros,
 )
+from granulab.contact.compiled import parts
 from granulab.contact.hertz import HertzLaw
 
 _FIRST_SKIN = 0.01  # inner skin over the largest radius, before it follows the speed
@@ -74,7 +75,7 @@ def build_world(
         made = _many_spheres_each(positions, orientations, particle, density, treatment)
     shape, particles, spheres, bounding, room = made
     largest, m = float(spheres.position[:, 3].max()), len(spheres.inverse_mass)
-    parts = parts_of(n, many=not isinstance(particle, np.ndarray))
+    bounds = parts_of(n, many=not isinstance(particle, np.ndarray))
     built = World(
         shape=shape,
         particles=particles,
@@ -84,8 +85,8 @@ def build_world(
         walls=walls_of(enclosure, m, curved_wall, bounding, rolls(wall_law)),
         block=block(),
         counts=_first_counts(),
-        parts=parts,
-        first_pair=np.zeros(len(parts), np.int64),
+        parts=bounds,
+        first_pair=np.zeros(len(bounds), np.int64),
         balance=np.zeros(state.N_BALANCE),
         impacts=np.column_stack([np.zeros((2, state.YIELD)), yields]),
         lengths=_first_skins(largest),
@@ -216,13 +217,9 @@ def walls_of(enclosure: Enclosure, m: int, curved: bool, bounding: float, rollin
 
 
 def parts_of(n: int, many: bool) -> np.ndarray:
-    """Bounds of the parts of n particles (n_parts + 1,); many: each has many spheres.
-
-    The number of parts is a power of two, so that 2, 4, 8 threads have as many each.
-    """
+    """Bounds of the parts of n particles (n_parts + 1,); many: each has many spheres."""
     most = n // _PART_OF_MANY if many else n // _PART_OF_SPHERES * (n >= _WHOLE)
-    n_parts = 1 << max(most.bit_length() - 1, 0)
-    return np.arange(n_parts + 1) * n // n_parts
+    return parts.parts_of(n, most)
 
 
 def _first_counts() -> np.ndarray:

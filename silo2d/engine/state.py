@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from granulab.contact.compiled import parts
+
 # Columns of Bodies.row: position [m], direction, velocity half a step back and extrapolated to
 # now [m/s, rad/s], force [N], torque [N m], 1/mass [1/kg], 1/inertia [1/(kg m2)], angle [rad].
 X, Y, COS, SIN, VX, VY, OMEGA, UX = range(8)
@@ -41,12 +43,8 @@ WALL_KEY = 1 << 62  # particle-wall keys come after all particle-particle keys
 
 
 def parts_of(n: int) -> np.ndarray:
-    """Bounds of the parts of n particles (n_parts + 1,).
-
-    The number of parts is a power of two, so that 2, 4, 8 threads have as many each.
-    """
-    n_parts = 1 << max((n // _PART).bit_length() - 1, 0)
-    return np.arange(n_parts + 1) * n // n_parts
+    """Bounds of the parts of n particles (n_parts + 1,)."""
+    return parts.parts_of(n, n // _PART)
 
 
 class Bodies(NamedTuple):

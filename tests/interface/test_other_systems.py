@@ -18,6 +18,7 @@ import pytest
 from fake_tasks import on_ctrl_c
 
 from granulab.campaign.output.table import _seen_from, as_csv
+from granulab.campaign.runs import sharing
 from granulab.campaign.runs.checkpoint import checkpoints, keep_checkpoint
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.sweeps import engine, processes
@@ -131,7 +132,7 @@ def test_workers_start_where_no_signals_can_be_kept_from_them(monkeypatch):
 
 def test_cores_are_counted_where_the_system_has_no_affinity(monkeypatch):
     monkeypatch.delattr(os, "sched_getaffinity", raising=False)
-    assert engine._cores() == os.cpu_count()
+    assert sharing.cores() == os.cpu_count()
 
 
 @pytest.mark.parametrize("code", [errno.ENOTSUP, errno.EPERM, errno.EMLINK])

@@ -85,7 +85,7 @@ def run_case(
         if not quiet:
             click.echo(_in_words(runnable, Path(out), dry_run=False), err=True)
         draw = None if no_figures else runnable.draw
-        result, paths = _computed(runnable, draw, out, resume, again, quiet, threads)
+        result, paths = _computed(runnable, draw, out, resume, again, quiet)
     _say_what_plays(paths, quiet)
     table = dataclasses.asdict(result)
     with located(f"{result.run_folder}:"):
@@ -168,7 +168,6 @@ def _computed(
     resume: str | None,
     again: bool,
     quiet: bool,
-    threads: int | None,
 ) -> tuple[Any, list[Path]]:
     """The result of a case and its figures, a bar on stderr; Ctrl-C stops at the next look."""
     from granulab.campaign.output.terminal import Progress, StopRequest
@@ -179,7 +178,7 @@ def _computed(
         if draw is not None:
             stages.expect(drawing=_DRAWING)
         with StopRequest() as stop:
-            common = {"progress": stages, "stop": lambda: stop.requested, "threads": threads}
+            common = {"progress": stages, "stop": lambda: stop.requested}
             if resume:
                 result = runnable.protocol.resume(resume, **common)
             else:

@@ -2,7 +2,7 @@
 
 import io
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from itertools import takewhile
 from pathlib import Path, PurePath
@@ -55,6 +55,15 @@ def _seen_from(folder: PurePath, path: PurePath) -> str:
         return path.as_posix()
     up = [".."] * (len(here) - shared)
     return type(path)(*up, *there[shared:]).as_posix()
+
+
+def flat(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+    """The entries of nested tables, by names with dots: "dissipated_j.friction"."""
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from flat(value, f"{before}{key}.")
+        else:
+            yield f"{before}{key}", value
 
 
 def as_csv(rows: Sequence[Row], kept: tuple[str, ...] | None = None) -> str:

@@ -267,11 +267,8 @@ def restored(
     None where none is left. `warn` gets which file it is and what is computed again. start:
     where the run then begins. Raises FolderError where a checkpoint does not fit the case.
     """
-    from granulab.campaign.runs.checkpoint import (
-        checkpoints,
-        go_back,
-        load_checkpoint,
-    )  # h5py: slow
+    # here, since h5py is slow to load
+    from granulab.campaign.runs.checkpoint import checkpoints, go_back, load_checkpoint
     from granulab.campaign.runs.trajectory import part_file, whole_parts
 
     whole, there, wrong = whole_parts(folder.path)

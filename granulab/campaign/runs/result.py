@@ -8,13 +8,13 @@ import html
 import importlib
 import json
 import math
-from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import TypeAdapter, ValidationError
 
+from granulab.campaign.output.table import flat
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import Trajectory, read_trajectory
 from granulab.errors import FolderError
@@ -106,15 +106,6 @@ class Results:
         except (FolderError, OSError):  # it kept no frames, or its folder went away
             return ""
         return f'<img style="max-width: 100%" src="data:image/png;base64,{image}">'
-
-
-def flat(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
-    """The entries of nested tables, by names with dots: "dissipated_j.friction"."""
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            yield from flat(value, f"{before}{key}.")
-        else:
-            yield f"{before}{key}", value
 
 
 def _word(value: bool | int | float | str | tuple[float, ...] | None) -> str:

@@ -85,8 +85,8 @@ def shared_by(step_s: float) -> int:
     if n_threads is not None:
         return n_threads
     leads = threading.current_thread() is threading.main_thread()
-    alone = leads and multiprocessing.parent_process() is None
-    return cores() if alone and step_s >= _PAYS else 1
+    is_one_of_several = not leads or multiprocessing.parent_process() is not None
+    return 1 if is_one_of_several or step_s < _PAYS else cores()
 
 
 def in_words(n_threads: int) -> list[str]:

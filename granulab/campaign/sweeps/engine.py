@@ -4,7 +4,6 @@ A task that fails is an outcome with its reason. A worker that is killed loses t
 which is tried again; the others go on. Ctrl-C makes the running tasks keep their state.
 """
 
-import os
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
@@ -16,6 +15,7 @@ from time import monotonic
 from typing import Any
 
 from granulab.campaign.output.terminal import StopRequest
+from granulab.campaign.runs.sharing import cores
 from granulab.campaign.sweeps.task import EngineError, Function, Outcome, WorkerLost, in_one_line
 
 TRIES = 3  # of a task whose worker is killed
@@ -194,14 +194,7 @@ def _pool(engine: str, workers: int | None, scheduler: str | None, n_tasks: int)
     if engine == "threads":
         from granulab.campaign.sweeps.threads import Threads
 
-        return Threads(max(min(workers or _cores(), n_tasks), 1))
+        return Threads(max(min(workers or cores(), n_tasks), 1))
     from granulab.campaign.sweeps.processes import Processes
 
-    return Processes(max(min(workers or _cores(), n_tasks), 1))
-
-
-def _cores() -> int:
-    """Return how many cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    return Processes(max(min(workers or cores(), n_tasks), 1))

@@ -16,11 +16,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from granulab.campaign.output import room
+from granulab.campaign.output.table import flat
 from granulab.campaign.output.terminal import Progress, announce_compilation
 from granulab.campaign.runs.folder import RunFolder, find_run
 from granulab.campaign.runs.protocol import Stop
 from granulab.campaign.runs.provenance import Sources, to_stderr
-from granulab.campaign.runs.result import flat
 from granulab.campaign.runs.stages import in_words
 from granulab.campaign.sweeps.engine import Tally, run_tasks
 from granulab.campaign.sweeps.found.journal import Journal

@@ -1,1 +1,1 @@
-"""Compiled kernels: their files on disk, and threads that run one together."""
+"""Compiled kernels: their files on disk, threads that run one together, and what these share."""
