@@ -149,6 +149,17 @@ def overlap_now(row, inner, n):
 
 
 @njit
+def note_overlapping(row, inner, n_pairs, found):
+    """Write which of the first n_pairs pairs touch to `found`; how many do."""
+    n_found = 0
+    for n in range(n_pairs):
+        if overlap_now(row, inner, n) > 0.0:
+            found[n_found] = n
+            n_found += 1
+    return n_found
+
+
+@njit
 def add_to_bodies(row, inner, forces, begin, n_pairs, sums):
     """Add the forces of a block to its bodies, and what they dissipate to the sums, returned.
 

@@ -12,7 +12,7 @@ from silo2d.engine import state
 from silo2d.engine.beds.plates import Plates, rub_plates
 from silo2d.engine.beds.vibration import Vibration
 from silo2d.engine.door import move_walls, take_loads
-from silo2d.engine.forces import apply_forces, overlap_now
+from silo2d.engine.forces import apply_forces, note_overlapping
 from silo2d.engine.integrate import energy_of_contacts, kinetic_energy, move
 from silo2d.engine.neighbours import search
 from silo2d.engine.pair_law import Law
@@ -351,11 +351,9 @@ class Simulation:
 
     def touching(self) -> np.ndarray:
         """Indices in the inner list of the pairs that touch now."""
-        row, inner = self.world.bodies.row, self.world.inner
-        return np.array(
-            [n for n in range(self.world.counts[state.INNER]) if overlap_now(row, inner, n) > 0],
-            dtype=np.int64,
-        )
+        n_pairs = int(self.world.counts[state.INNER])
+        found = np.zeros(n_pairs, np.int64)
+        return found[: note_overlapping(self.world.bodies.row, self.world.inner, n_pairs, found)]
 
     def contacts(self) -> dict[str, np.ndarray]:
         """The n vertex-edge contacts of now, with the forces that the next step will apply.
