@@ -11,6 +11,7 @@ from small_damper import damper3d
 
 from damper3d.case.case import GRAVITY
 from damper3d.engine.enclosures import box, cylinder
+from damper3d.engine.growth import spheres
 from damper3d.engine.growth.spheres import grow, push_pairs
 from damper3d.run import packing as packing_module
 from damper3d.run.fill import fill, random_start, resting
@@ -89,6 +90,23 @@ def test_the_random_start_is_spread_over_the_enclosure():
     room = np.array([0.05, 0.04, 0.03]) - 2 * RADIUS
     error = np.abs(centres.mean(axis=0) - [0, 0, 0.015]) / (room / math.sqrt(12 * count))
     assert error.max() < 4
+
+
+def test_spheres_of_a_large_start_are_numbered_by_where_they_are(monkeypatch):
+    """From the same points of the seed, column by column: neighbours in number are near."""
+    columns = {}
+    for most in (10, 1000):
+        monkeypatch.setattr(spheres, "_MANY", most)
+        enclosure = box(0.1, 0.1, 0.03)
+        centres, _ = grow(enclosure, 500, RADIUS, np.random.default_rng(3))
+        assert pdist(centres).min() >= 2 * RADIUS
+        columns[most] = np.linalg.norm(np.diff(centres[:, :2], axis=0), axis=1).mean()
+    assert columns[10] < 0.25 * columns[1000]
+    points = np.random.default_rng(1).uniform(-0.05, 0.05, size=(300, 3))
+    numbered = spheres.in_columns(points, 0.01)
+    assert sorted(map(tuple, numbered)) == sorted(map(tuple, points))
+    places = np.column_stack([np.floor(numbered[:, :2] / 0.01), numbered[:, 2]])
+    assert np.array_equal(np.lexsort(places[:, ::-1].T), np.arange(300))
 
 
 def test_too_many_particles_are_refused_with_the_number_that_fits(tmp_path):
