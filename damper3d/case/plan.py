@@ -25,11 +25,15 @@ _WRITING = 0.5  # [s]
 # Particles times steps between checkpoints, some seconds of work: a checkpoint must not depend on
 # how fast a machine is, and in the short runs of a map it would cost more than it saves.
 CHECKPOINT_WORK = 2e8
+# A checkpoint costs what some tens of steps of its bed do, of any size: beyond so many particles
+# the work between two grows with them, so that 2000 steps lie between.
+_LARGE = 100_000
 _MOST_SAMPLES = 10_000  # between checkpoints, of a few particles too: until then they are in memory
 # Bytes: of a contact in a frame, of a particle in a checkpoint (with its contacts' springs), of the
 # program with its kernels (when they are compiled), and of a particle in a frame that counts, while
 # its motion is measured at the end (found 102).
 _OF_A_CONTACT, _KEPT_OF_A_PARTICLE, _PROCESS, _MEASURED = 20, 800, 600e6, 110
+_OF_A_WORLD = 4e3  # [B] of a sphere in the arrays of the step loop; found 3740, of which 2100 used
 _NUMBERS = 30  # of a sample, besides the wall forces
 _OF_ARRAYS = 5e3  # [B] of the arrays of a sample in memory, besides what is in them
 _HEAVY = 25e3  # [kg/m3] above osmium and all others
@@ -92,7 +96,8 @@ def compiling(case: DamperCase) -> tuple[float, int]:
 def checkpoint_interval(case: DamperCase, work: float = CHECKPOINT_WORK) -> int:
     """Samples between checkpoints: whole cycles, or less in cycles that take long."""
     per_cycle = case.settings.output.samples
-    samples = min(max(int(work / (case.all_particles * case.steps_per_sample)), 1), _MOST_SAMPLES)
+    steps = work / min(case.all_particles, _LARGE)
+    samples = min(max(int(steps / case.steps_per_sample), 1), _MOST_SAMPLES)
     return samples if samples < per_cycle else samples // per_cycle * per_cycle
 
 
@@ -134,7 +139,9 @@ def memory_at_most(case: DamperCase) -> int:
     together = min(checkpoint_interval(case), samples)
     unwritten = together * (of_sample + _OF_ARRAYS)
     unwritten += frames / samples * together * (of_frame + of_contacts)
-    return room.in_memory(_PROCESS + frames * case.all_particles * _MEASURED, unwritten)
+    spheres = case.all_particles * (1.0 if case.of_spheres else float(case.sub_spheres.mean()))
+    own = _PROCESS + _OF_A_WORLD * spheres
+    return room.in_memory(own + frames * case.all_particles * _MEASURED, unwritten)
 
 
 def warnings(case: DamperCase) -> list[str]:

@@ -3,8 +3,10 @@
 import dataclasses
 import shutil
 from pathlib import Path
+from typing import Any
 
 import h5py
+import numpy as np
 import pytest
 from fake_simulator import FAKE, fake
 from small_damper import damper3d
@@ -12,6 +14,7 @@ from small_silo import DRY, silo2d
 
 from damper3d.case import plan as damper_plan
 from damper3d.case.case import DamperCase
+from damper3d.run.fill import resting
 from granulab.campaign.output import room
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.sweeps.sweep import run_labelled
@@ -117,6 +120,37 @@ def test_samples_do_not_pile_up_in_the_memory_of_a_run_of_few_particles():
     assert damper_plan.checkpoint_interval(long) == 10_000
     grows = damper_plan.memory_at_most(long) - damper_plan.memory_at_most(short)
     assert grows == pytest.approx(8000 * 20 * damper_plan._MEASURED, rel=1e-3)
+
+
+def test_checkpoints_of_large_beds_are_two_thousand_steps_apart():
+    """One costs as much as some tens of steps of its bed: as small a part of them at any size."""
+    for count, steps in ((1_000, 200_000), (50_000, 4000), (100_000, 2000), (1_000_000, 2000)):
+        case = DamperCase.load("thesis", {
+            "enclosure.shape": "box", "enclosure.width": "2.2 m", "particles.count": count,
+            "run.cycles": 1000,
+        })  # fmt: skip
+        assert damper_plan.checkpoint_interval(case) * case.steps_per_sample == steps
+
+
+def test_the_memory_of_a_large_bed_counts_the_arrays_of_its_steps():
+    """A sphere's part in them is the same in a small bed; a million of them take some GB."""
+    few, many = (
+        DamperCase.load("thesis", {
+            "enclosure.shape": "box", "enclosure.width": width, "particles.count": count,
+            "output.frames": 0,
+        })
+        for count, width in ((1000, "7 cm"), (1_000_000, "2.2 m"))
+    )  # fmt: skip
+    centres = np.random.default_rng(1).uniform(-0.03, 0.03, size=(few.count, 3))
+    own = bytes_of_arrays(resting(few, centres).world) / few.count
+    grows = damper_plan.memory_at_most(many) - damper_plan.memory_at_most(few)
+    assert 0.5 * own < grows / many.count < 2 * own
+
+
+def bytes_of_arrays(arrays: Any) -> int:
+    if isinstance(arrays, tuple):
+        return sum(map(bytes_of_arrays, arrays))
+    return arrays.nbytes if isinstance(arrays, np.ndarray) else 0
 
 
 @pytest.mark.parametrize("n_bytes", [0, 12_000, 999_499, 999_500, 1.25e6, 9.96e6, 4.2e9, 3e12])
