@@ -20,12 +20,18 @@ from damper3d.engine.motions.turning import turns, twists
 from damper3d.engine.neighbours import search_pairs, search_walls
 from damper3d.engine.state import DONE, STALE_INNER, STALE_WALL, STEP
 from damper3d.engine.walls import drive_walls
-from granulab.contact.jit import inlined_inner, specialised, uncounted
+from granulab.contact.jit import inlined_inner, inner, specialised, uncounted
 
 
 @uncounted
 def advance(world, n_steps):
     """Up to n_steps steps; how many were taken, and DONE or why no more."""
+    return take_steps(world, n_steps)
+
+
+@inner
+def take_steps(world, n_steps):
+    """See advance, which is compiled only where it is called from Python."""
     direction, dt = world.direction, world.time_step
     shift, speed = enclosure_at(world.shaker, direction, world.counts[STEP] * dt)
     for taken in range(n_steps):
@@ -68,7 +74,7 @@ def advance_together(worlds, n_steps):
     return n_steps, outcome, which
 
 
-@uncounted
+@inner
 def place_now(world):
     """Displacement and velocity of a world's enclosure at its step."""
     return enclosure_at(world.shaker, world.direction, world.counts[STEP] * world.time_step)

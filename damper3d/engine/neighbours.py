@@ -223,7 +223,7 @@ def know_outer(world, n):
     return True
 
 
-@uncounted
+@inner
 def fill_cells(cells, x, n_particles, shift):
     """Sort the particles into cells; those outside the grid go into the nearest cell."""
     nx, ny, nz = cells.shape

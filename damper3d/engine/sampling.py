@@ -4,7 +4,7 @@ import numpy as np
 
 from damper3d.engine.forces import contact_law, meet_wall, surface_motion, without_slip
 from damper3d.engine.geometry import between_spheres, entry
-from damper3d.engine.integrate import advance, enclosure_at, search
+from damper3d.engine.integrate import enclosure_at, search, take_steps
 from damper3d.engine.kinds import find_at_wall, find_pairs, mean_motion
 from damper3d.engine.laws.rolling import rolling_energy
 from damper3d.engine.laws.table import (
@@ -69,7 +69,7 @@ def advance_sampling(world, steps_per_sample, rows):
     contacts of an old list depends on when it was made.
     """
     for k in range(len(rows)):
-        taken, outcome = advance(world, steps_per_sample)
+        taken, outcome = take_steps(world, steps_per_sample)
         if outcome == DONE:
             now = world.counts[STEP] * world.time_step
             outcome = search(world, enclosure_at(world.shaker, world.direction, now)[0])

@@ -17,7 +17,7 @@ from damper3d.engine.enclosures.places import to_feature, touching_places
 from damper3d.engine.geometry import note_touching, to_plane, vector, wall_contact
 from damper3d.engine.simd import separate, whole
 from damper3d.engine.state import BLOCK, STALE_WALL, WALL_SKIN
-from granulab.contact.jit import inlined, inlined_inner, specialised, uncounted
+from granulab.contact.jit import inlined, inlined_inner, inner, specialised
 
 # The servo of one wall: which, whether it is on; its target [N], viscosity [N s/m], speed limit.
 WALL, ON, TARGET, VISCOSITY, FASTEST = range(5)
@@ -135,7 +135,7 @@ def _place_driven(spheres, walls, w):
         spheres.position[last, c], spheres.velocity[last, c] = drive.place[w, c], drive.speed[w, c]
 
 
-@inlined
+@inlined_inner
 def distance_to_wall(walls, w, x, y, z):
     """Distance of a point in the frame of wall w from it [m]."""
     if w < len(walls.planes):
@@ -151,7 +151,7 @@ def gap_to_wall(walls, x, w, i, shift):
     return distance_to_wall(walls, w, x[i, 0] - s[0], x[i, 1] - s[1], x[i, 2] - s[2]) - x[i, 3]
 
 
-@uncounted
+@inner
 def radius_at_wall(walls, x, w, i, shift):
     """Reduced radius of the sphere of row i of x against wall w [m].
 
@@ -201,7 +201,7 @@ def _with_one_wall(walls, w, n_contacts, block):
             wall_contact(normal, distance, block, k)
 
 
-@inlined
+@inlined_inner
 def clear_of_wall(walls, w, contacts, begin, n_contacts, block):
     """Note how far the contacts of a block are from touching wall w, from their separations."""
     if w < len(walls.planes):
@@ -226,7 +226,7 @@ def _touching_wall(spheres, walls, contacts, w, first, last, block):
     )
 
 
-@inlined
+@inlined_inner
 def _touching_one_wall(spheres, walls, contacts, w, first, last, block):
     found = first
     for begin in range(first, last, BLOCK):

@@ -34,6 +34,7 @@ from numba.core.registry import cpu_target
 from numba.extending import overload
 
 from granulab.contact.compiled.kept import keep
+from granulab.contact.compiled.linked import InnerCompiler
 
 # numba knows this flag of its compiler but offers no option for it: arguments do not alias.
 # LLVM then keeps values in registers across stores and vectorises; arrays that a kernel takes
@@ -64,7 +65,7 @@ _UNCOUNTED = {"_nrt": False}
 _INLINED = {"_nrt": False, "forceinline": True}
 # Without a way in from Python: to unpack a hundred arrays takes longer to compile than most
 # functions.
-_INNER = {"no_cpython_wrapper": True}
+_INNER = {"no_cpython_wrapper": True, "pipeline_class": InnerCompiler}
 
 _LAWS = Path(__file__).resolve().parent  # what every kernel may call
 _COMPILED = "compiled"  # the one folder below that has kernels too; others have files and units
@@ -236,7 +237,7 @@ def specialised(function: Callable[..., Any]) -> Callable[..., Any]:
     Such a choice may not be a function that is handed over, nor one made at run time: these break
     the cache on disk. The code is put in where it is called, by the compiler's back end.
     """
-    return overload(function, jit_options={**_INLINED, "error_model": "numpy", "noalias": True})
+    return overload(function, jit_options={**_USUAL, **_INLINED, **_INNER})
 
 
 def substituted(function: Callable[..., Any]) -> Callable[..., Any]:

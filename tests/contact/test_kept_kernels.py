@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from granulab.contact.compiled import kept
+from granulab.contact.compiled.linked import LinkedLibrary
 
 KERNEL = """
 from granulab.contact.jit import njit
@@ -14,6 +15,27 @@ from granulab.contact.jit import njit
 @njit
 def added(a, b):
     return a + b
+"""
+
+
+INNER = """
+from granulab.contact.jit import inner, njit
+
+@inner
+def twice(a):
+    return a + a
+
+@inner
+def fourfold(a):
+    return twice(twice(a))
+
+@njit
+def first(a):
+    return fourfold(a) + 1.0
+
+@njit
+def second(a):
+    return fourfold(a) - 1.0
 """
 
 
@@ -29,9 +51,13 @@ def loaded(tmp_path, monkeypatch):
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
         kept._said.clear()
-        return module.added
+        return module
 
-    return load
+    def load_kernel():
+        return load().added
+
+    load_kernel.module = load
+    return load_kernel
 
 
 def files_of(kernel) -> list[Path]:
@@ -71,3 +97,19 @@ def test_a_full_disk_under_the_kernels_is_one_line(loaded, capsys, monkeypatch):
     assert "cannot be kept" in said
     assert "No space left on device" in said
     assert said.count("\n") == 1
+
+
+def test_what_only_kernels_call_is_linked_into_them_and_kept_for_others(loaded, tmp_path):
+    """Without machine code of its own; a kernel of a later process takes in what was kept."""
+    (tmp_path / "kernel_of_a_test.py").write_text(INNER, encoding="utf-8")
+    module = loaded.module()
+    assert module.first(2.0) == 9.0
+    (made,) = module.fourfold.overloads.values()
+    assert isinstance(made.library, LinkedLibrary)
+    assert made.library.get_pointer_to_function(made.fndesc.mangled_name) == 0
+    again = loaded.module()
+    assert again.second(2.0) == 7.0
+    assert sum(again.fourfold.stats.cache_hits.values()) == 1
+    assert not again.twice.overloads  # what takes it in was kept with it
+    assert again.first(2.0) == 9.0
+    assert sum(again.first.stats.cache_hits.values()) == 1

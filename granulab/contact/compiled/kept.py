@@ -14,6 +14,8 @@ from typing import Any
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.serialize import dumps
 
+from granulab.contact.compiled.linked import InnerCompiler, LinkedCache
+
 _SEAL_BYTES = 32  # of a SHA-256
 _said: set[str] = set()
 
@@ -65,7 +67,9 @@ class _SealedFiles(IndexDataCacheFile):
 class _KeptKernel(FunctionCache):
     """One kernel's compiled code; what goes wrong with it costs its compilation, no more."""
 
-    def __init__(self, function: Any) -> None:
+    def __init__(self, function: Any, is_inner: bool) -> None:
+        if is_inner:
+            self._impl_class = LinkedCache
         super().__init__(function)
         plain = self._cache_file
         self._files = _SealedFiles(plain._cache_path, self._impl.filename_base, plain._source_stamp)
@@ -93,7 +97,8 @@ class _KeptKernel(FunctionCache):
 def keep(dispatcher: Any) -> None:
     """Have the compiled code of a kernel kept in numba's folder, where it can be."""
     try:
-        dispatcher._cache = _KeptKernel(dispatcher.py_func)
+        is_inner = dispatcher._compiler.pipeline_class is InnerCompiler
+        dispatcher._cache = _KeptKernel(dispatcher.py_func, is_inner)
     except (OSError, RuntimeError):  # numba finds no folder that it can write to
         _say_once("save", "compiled kernels cannot be kept on this disk; they are compiled again "
                   "the next time")  # fmt: skip
