@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from granulab.contact.jit import njit
+from granulab.contact.jit import inner, uncounted
 from silo2d.engine.geometry import to_edge
 from silo2d.engine.state import (
     ANGLE,
@@ -28,7 +28,7 @@ from silo2d.engine.state import (
 )
 
 
-@njit
+@inner
 def find_bodies(bodies, local, vertices, cells, counts):
     """Make the list of bodies: pairs of particles in ascending order, then particle-wall pairs."""
     if not sort_into_cells(bodies, cells, counts):
@@ -53,7 +53,7 @@ def find_bodies(bodies, local, vertices, cells, counts):
     return DONE
 
 
-@njit
+@uncounted
 def sort_into_cells(bodies, cells, counts):
     """Counting sort of the live particles into the cells; False if a position is not finite."""
     n_cells = cells.columns * cells.rows
@@ -80,7 +80,7 @@ def sort_into_cells(bodies, cells, counts):
     return True
 
 
-@njit
+@inner
 def find_particle_pairs(bodies, cells, i, n):
     """Append the pairs (i, j > i) from the 3 x 3 cells round i, j ascending; -1 where full."""
     row, pairs = bodies.row, cells.pairs
@@ -111,7 +111,7 @@ def find_particle_pairs(bodies, cells, i, n):
     return n
 
 
-@njit
+@inner
 def wall_in_range(bodies, local, vertices, i, wall):
     """True where the bounding circle of particle i is within range of a wall's segment."""
     if bodies.layout[wall, N_EDGES] == 0:
@@ -123,7 +123,7 @@ def wall_in_range(bodies, local, vertices, i, wall):
     return dx * dx + dy * dy < far * far
 
 
-@njit
+@uncounted
 def note_positions(bodies, counts, level):
     """Note where the live particles are, now that a level is made."""
     for k in range(counts[LIVE]):

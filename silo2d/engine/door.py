@@ -6,7 +6,7 @@ corner that particles can rest on, to that lip. Its surface moves with it and dr
 friction. As a wall it has no inertia; the work of whoever draws it is accounted for.
 """
 
-from granulab.contact.jit import njit
+from granulab.contact.jit import inner, uncounted
 from silo2d.engine.beds.vibration import note_loads, shake_walls
 from silo2d.engine.integrate import energy_of_contacts
 from silo2d.engine.state import (
@@ -35,7 +35,7 @@ from silo2d.engine.state import (
 )
 
 
-@njit
+@inner
 def rest_of_door(world):
     """Length of the door that is still in the outlet [m]; its second vertex is the right lip."""
     door = world.counts[DOOR]
@@ -43,7 +43,7 @@ def rest_of_door(world):
     return lip - world.bodies.row[door, X]
 
 
-@njit
+@inner
 def update_door(world):
     """Shorten the door to what is left of it, in its own frame, the silo's and the inner list."""
     bodies, local, vertices, inner = world.bodies, world.local, world.vertices, world.inner
@@ -60,7 +60,7 @@ def update_door(world):
             inner.edge_x[n], inner.inv_length2[n] = length, inverse
 
 
-@njit
+@inner
 def set_door_skins(bodies, counts, dt, steps, least):
     """Skins of the door's corner in the inner and the outer list, for that many steps each.
 
@@ -72,7 +72,7 @@ def set_door_skins(bodies, counts, dt, steps, least):
             bodies.skin[door, level] = n_steps * (dt * bodies.row[door, VX] + least)
 
 
-@njit
+@uncounted
 def take_loads(world):
     """Put the forces on walls that move aside: that of this step alone does work; the door's."""
     note_loads(world, world.vibration)
@@ -83,7 +83,7 @@ def take_loads(world):
     return load
 
 
-@njit
+@uncounted
 def move_walls(world, load):
     """Move those walls by a step, at its end, and put the forces back; load: of the door."""
     shake_walls(world, world.vibration)
@@ -91,7 +91,7 @@ def move_walls(world, load):
         move_door(world, load)
 
 
-@njit
+@inner
 def move_door(world, load):
     """Move the door by one step and account for its work; it is gone once nothing of it is left.
 

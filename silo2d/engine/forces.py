@@ -10,7 +10,7 @@ force acts at the middle of the overlap on both bodies, so that angular momentum
 
 import numpy as np
 
-from granulab.contact.jit import njit
+from granulab.contact.jit import inner, uncounted
 from granulab.contact.laws import normal_force, tangential_damping, tangential_force
 from silo2d.engine.geometry import cross, point_velocity, rotated, to_edge
 from silo2d.engine.pair_law import law_of
@@ -38,7 +38,7 @@ from silo2d.engine.state import (
 )
 
 
-@njit
+@uncounted
 def apply_forces(world):
     """All contact forces of this step, added to the bodies, and what they dissipate."""
     first, account, dt = world.first_pair, world.account, world.time_step
@@ -46,7 +46,7 @@ def apply_forces(world):
     apply_class(world, world.wall_law, first[1], account[PARTICLE_WALL:CARRIED_OUT], dt)
 
 
-@njit
+@inner
 def apply_class(world, law, first_pair, account, dt):
     """Contact forces of the pairs of one law, block by block; first_pair of its parts.
 
@@ -64,13 +64,13 @@ def apply_class(world, law, first_pair, account, dt):
     add_to_account(account, total, dt)
 
 
-@njit
+@uncounted
 def added(a, b):
     """Sums by mechanism, of two."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-@njit
+@inner
 def add_to_account(account, sums, dt):
     """Add what the pairs of a class dissipated in this step to its account."""
     account[NORMAL_DAMPING] += sums[0] * dt
@@ -78,7 +78,7 @@ def add_to_account(account, sums, dt):
     account[FRICTION] += sums[2]
 
 
-@njit
+@inner
 def contact_forces(row, inner, forces, law, begin, n_pairs, dt):
     """Force, torques, slip and dissipation of n_pairs inner pairs from `begin` on.
 
@@ -124,7 +124,7 @@ def contact_forces(row, inner, forces, law, begin, n_pairs, dt):
         forces.lost[k] = lost
 
 
-@njit
+@inner
 def edge_to_vertex(row, inner, n, between, arm_v):
     """Vector to the vertex of pair n from the closest point of its edge [m].
 
@@ -138,7 +138,7 @@ def edge_to_vertex(row, inner, n, between, arm_v):
     return to_edge(rx, ry, edge[0], edge[1], inner.inv_length2[n])
 
 
-@njit
+@uncounted
 def overlap_now(row, inner, n):
     """Overlap of pair n [m]; negative where it does not touch."""
     j, i = inner.vertex_body[n], inner.edge_body[n]
@@ -148,7 +148,7 @@ def overlap_now(row, inner, n):
     return inner.cutoff[n] - np.sqrt(dx * dx + dy * dy)
 
 
-@njit
+@uncounted
 def note_overlapping(row, inner, n_pairs, found):
     """Write which of the first n_pairs pairs touch to `found`; how many do."""
     n_found = 0
@@ -159,7 +159,7 @@ def note_overlapping(row, inner, n_pairs, found):
     return n_found
 
 
-@njit
+@inner
 def add_to_bodies(row, inner, forces, begin, n_pairs, sums):
     """Add the forces of a block to its bodies, and what they dissipate to the sums, returned.
 

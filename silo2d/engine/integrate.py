@@ -9,7 +9,7 @@ extrapolated u makes them second order.
 
 import numpy as np
 
-from granulab.contact.jit import njit
+from granulab.contact.jit import inner, uncounted
 from granulab.contact.laws import normal_energy
 from silo2d.engine.forces import overlap_now
 from silo2d.engine.pair_law import law_of
@@ -42,7 +42,7 @@ from silo2d.engine.state import (
 )
 
 
-@njit
+@inner
 def rotated_direction(cos, sin, angle):
     """cos and sin after a small rotation [rad].
 
@@ -57,14 +57,14 @@ def rotated_direction(cos, sin, angle):
     return new_cos * unit, new_sin * unit
 
 
-@njit
+@uncounted
 def move(world):
     """One step of all live particles; wipes their loads."""
     far, low = move_live(world, np.int64(0), world.counts[LIVE])
     end_step(world, far, low)
 
 
-@njit
+@inner
 def end_step(world, far, low):
     """Mark the list of inner pairs stale where a particle is too far, and drop those that left."""
     counts = world.counts
@@ -75,7 +75,7 @@ def end_step(world, far, low):
         remove_discharged(world)
 
 
-@njit
+@inner
 def move_live(world, first, last):
     """One step of the live particles that stand at first ... last - 1; wipes their loads.
 
@@ -107,7 +107,7 @@ def move_live(world, first, last):
     return any_far, any_low
 
 
-@njit
+@inner
 def remove_discharged(world):
     """Note when particles pass y = 0, and drop those that have left entirely.
 
@@ -133,7 +133,7 @@ def remove_discharged(world):
     counts[LIVE] = kept
 
 
-@njit
+@uncounted
 def energy_of_contacts(world, i):
     """Elastic normal energy [J] of the contacts of body i.
 
@@ -148,7 +148,7 @@ def energy_of_contacts(world, i):
     return energy
 
 
-@njit
+@uncounted
 def kinetic_energy(row):
     """Kinetic energy [J] of the body in a row."""
     translation = (row[UX] * row[UX] + row[UY] * row[UY]) / row[INV_MASS]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from granulab.contact.jit import njit
+from granulab.contact.jit import inner
 from granulab.contact.laws import tangential_energy
 from granulab.contact.reduced import reduced_mass
 from silo2d.engine.cells import note_positions
@@ -45,7 +45,7 @@ from silo2d.engine.state import (
 DEEPEST = 0.5  # overlap over cutoff; much beyond it a vertex would pass through an edge
 
 
-@njit
+@inner
 def find_outer(bodies, local, vertices, pairs, outer, counts):
     """Make the outer list: vertex-edge pairs of the pairs of bodies, both ways."""
     n_old = counts[OUTER]
@@ -81,13 +81,13 @@ def find_outer(bodies, local, vertices, pairs, outer, counts):
     return DONE
 
 
-@njit
+@inner
 def dropped(bodies, i):
     """True for a particle that has left since the list of bodies was made."""
     return bodies.row[i, Y] < -bodies.size[i, BOUNDING_RADIUS]
 
 
-@njit
+@inner
 def find_vertex_edge_pairs(bodies, local, vertices, outer, i, j, n):
     """Append the pairs of a vertex of i and an edge of j; return their new number."""
     radius_i, radius_j = bodies.size[i, SPHERORADIUS], bodies.size[j, SPHERORADIUS]
@@ -116,7 +116,7 @@ def find_vertex_edge_pairs(bodies, local, vertices, outer, i, j, n):
     return n
 
 
-@njit
+@inner
 def from_edge(local, vertices, v, e):
     """Vector to vertex v from the closest point of edge e [m], as of the last search."""
     rx = vertices[v, VERTEX_X] - vertices[e, VERTEX_X]
@@ -124,7 +124,7 @@ def from_edge(local, vertices, v, e):
     return to_edge(rx, ry, vertices[e, EDGE_X], vertices[e, EDGE_Y], local[e, INV_LENGTH2])
 
 
-@njit
+@inner
 def carry_over(outer, counts, account, laws):
     """Take over the slips of the previous list, by a merge of ascending keys.
 
@@ -148,7 +148,7 @@ def carry_over(outer, counts, account, laws):
         old += 1
 
 
-@njit
+@inner
 def store_slips(outer, inner, counts):
     """Write the slips of the inner pairs back to the outer list."""
     for n in range(counts[INNER]):
@@ -156,7 +156,7 @@ def store_slips(outer, inner, counts):
     counts[PARTICLE_INNER], counts[INNER] = 0, 0
 
 
-@njit
+@inner
 def measure_distances(local, vertices, outer, first, last):
     """Squared distances of outer pairs first ... last - 1: no branch, so that it is vectorised."""
     for c in range(np.uintp(first), np.uintp(last)):
@@ -164,7 +164,7 @@ def measure_distances(local, vertices, outer, first, last):
         outer.distance2[c] = dx * dx + dy * dy
 
 
-@njit
+@inner
 def release_springs(skin, outer, counts, account, laws):
     """Release the springs of pairs out of range: friction takes what they held.
 
@@ -185,7 +185,7 @@ def release_springs(skin, outer, counts, account, laws):
             outer.slip[c] = 0.0
 
 
-@njit
+@inner
 def find_inner(skin, local, outer, inner, counts):
     """Make the inner list: the outer pairs that touch or nearly do, for the force pass."""
     n = np.int64(0)

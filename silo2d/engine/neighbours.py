@@ -15,7 +15,7 @@ whatever the skins.
 
 import numpy as np
 
-from granulab.contact.jit import njit
+from granulab.contact.jit import inner, uncounted
 from silo2d.engine.beds.vibration import place_walls
 from silo2d.engine.cells import find_bodies, note_positions
 from silo2d.engine.door import set_door_skins, update_door
@@ -67,7 +67,7 @@ DOOR_LEAST = 4e-6  # [m]
 PASSED_ON = 0.1
 
 
-@njit
+@uncounted
 def search(world):
     """Make the stale levels of the lists again; return DONE, or what stands in the way.
 
@@ -84,7 +84,7 @@ def search(world):
     return outcome
 
 
-@njit
+@uncounted
 def begin_search(world):
     """Give the inner list up, and find the bodies that are near each other where it is time."""
     bodies, local, vertices, counts = world.bodies, world.local, world.vertices, world.counts
@@ -104,7 +104,7 @@ def begin_search(world):
     return DONE
 
 
-@njit
+@uncounted
 def search_outer(world):
     """Make the outer list again where it is time, from vertices that are up to date."""
     bodies, counts, outer = world.bodies, world.counts, world.outer
@@ -120,7 +120,7 @@ def search_outer(world):
     return outcome
 
 
-@njit
+@inner
 def search_inner(world):
     """Make the inner list, from the distances of all outer pairs."""
     bodies, counts, laws = world.bodies, world.counts, (world.particle_law, world.wall_law)
@@ -134,7 +134,7 @@ def search_inner(world):
     return outcome
 
 
-@njit
+@uncounted
 def note_parts(world):
     """Note where the inner pairs of each part begin: by their first body, as they are listed."""
     inner, n = world.inner, np.int64(0)
@@ -147,7 +147,7 @@ def note_parts(world):
             world.first_pair[which, part] = n
 
 
-@njit
+@inner
 def set_inner_skins(bodies, counts, dt):
     """Skins of the inner list [m], by the speed of each particle's fastest point."""
     row, skin = bodies.row, bodies.skin
@@ -166,7 +166,7 @@ def set_inner_skins(bodies, counts, dt):
         skin[i, INNER_LIST] = min(path + least, most)
 
 
-@njit
+@inner
 def set_outer_skins(bodies, counts):
     """Skins of the outer list [m], for as many more steps."""
     skin = bodies.skin
@@ -177,7 +177,7 @@ def set_outer_skins(bodies, counts):
         skin[i, OUTER_LIST] = min(path + least, most)
 
 
-@njit
+@inner
 def outgrown(bodies, counts, level):
     """True where the skin that a level has left is less than the level below it needs."""
     row, listed, skin = bodies.row, bodies.listed, bodies.skin
@@ -195,7 +195,7 @@ def outgrown(bodies, counts, level):
     return False
 
 
-@njit
+@inner
 def update_vertices(world, first, last):
     """Compute vertices and edges of the live particles that stand at first ... last - 1."""
     bodies, local, vertices = world.bodies, world.local, world.vertices

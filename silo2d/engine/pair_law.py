@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from granulab.contact.jit import extend, njit  # before numba is used
+from granulab.contact.jit import extend, inner, uncounted  # before numba is used
 from granulab.contact.laws import LinearLaw, register
 from silo2d.engine import ENGINE
 from silo2d.engine.state import INNER, MAX_VERTICES, OUTER, WALL_KEY
@@ -54,7 +54,7 @@ class DrawnLaw(NamedTuple):
 Law = Any  # of a class of pairs: LinearLaw, DrawnLaw, or a type of register_law
 
 
-@njit
+@inner
 def drawn_level(law, quantity, low, high, is_wall):
     """Return which of the LEVELS equally likely values a pair of bodies, low < high, has."""
     if law.score.shape[1] == 0:
@@ -66,7 +66,7 @@ def drawn_level(law, quantity, low, high, is_wall):
     return min(np.int64(share * LEVELS), LEVELS - 1)
 
 
-@njit
+@inner
 def hashed(key, low, high):
     """64 random bits: number (low, high) of the sequence splitmix64 that starts at `key`.
 
@@ -79,7 +79,7 @@ def hashed(key, low, high):
     return z ^ (z >> np.uint64(31))
 
 
-@njit
+@inner
 def draw_pair(law, low, high, is_wall):
     """kn, kt [N/m], mu [-] and gamma_n [1/s] of a pair of bodies, low < high.
 
@@ -93,7 +93,7 @@ def draw_pair(law, low, high, is_wall):
     return kn, mean.kt * stiffer, mu, mean.gamma_n * np.sqrt(stiffer) * damping
 
 
-@njit
+@uncounted
 def draw_pairs(law, pairs, n_particles, constants):
     """Constants (n, 4) of pairs of bodies (n, 2), the lower number first; walls after particles."""
     for p in range(len(pairs)):
@@ -102,7 +102,7 @@ def draw_pairs(law, pairs, n_particles, constants):
         constants[p, 0], constants[p, 1], constants[p, 2], constants[p, 3] = kn, kt, mu, gamma_n
 
 
-@njit
+@inner
 def draw_for_outer(particle_law, wall_law, outer, counts, n_bodies):
     """Constants of all outer pairs, from their keys: one draw for each pair of bodies."""
     of = particle_law.outer
@@ -122,7 +122,7 @@ def draw_for_outer(particle_law, wall_law, outer, counts, n_bodies):
         of.kn[c], of.kt[c], of.mu[c], of.gamma_n[c] = values
 
 
-@njit
+@inner
 def copy_to_inner(law, inner, counts):
     """Constants of the inner pairs, from the outer list."""
     outer, of = law.outer, law.inner
@@ -202,7 +202,7 @@ def _copy_constants(law, inner, counts):
     return lambda law, inner, counts: copy_to_inner(law, inner, counts)
 
 
-@njit
+@uncounted
 def draw_lists(particle_law, wall_law, outer, inner, counts, n_bodies):
     """Draw constants for the lists as they stand; both classes keep them in the same arrays."""
     draw_outer(particle_law, wall_law, outer, counts, n_bodies)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from granulab.contact.jit import njit
+from granulab.contact.jit import inner, njit, uncounted
 from granulab.contact.laws import normal_energy, slip_limit, tangential_energy
 from silo2d.engine.forces import contact_forces, edge_to_vertex, overlap_now
 from silo2d.engine.geometry import rotated
@@ -55,7 +55,7 @@ def list_class(row, inner, forces, law, first, last, dt, bodies, numbers, found)
     return found
 
 
-@njit
+@inner
 def list_contact(row, inner, n, overlap, pair, numbers):
     """Write bodies, point, normal and overlap of pair n."""
     j, i = inner.vertex_body[n], inner.edge_body[n]
@@ -73,7 +73,7 @@ def list_contact(row, inner, n, overlap, pair, numbers):
     numbers[OVERLAP] = overlap
 
 
-@njit
+@uncounted
 def energies(bodies, inner, counts, particle_law, wall_law, gravity):
     """Kinetic, potential, elastic normal, elastic tangential energy [J] of the live particles.
 

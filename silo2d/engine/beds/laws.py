@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from granulab.contact.jit import njit
+from granulab.contact.jit import uncounted
 from granulab.contact.laws import register
 
 
@@ -64,7 +64,7 @@ def cohesive_energy(law, overlap):
     return 0.5 * law.kn * overlap**2 - law.pull * overlap
 
 
-@njit
+@uncounted
 def elastic_force(law, overlap):
     """Return the force [N] of the curve at an overlap [m]."""
     at = overlap / law.spacing

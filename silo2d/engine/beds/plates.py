@@ -23,7 +23,7 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
-from granulab.contact.jit import njit
+from granulab.contact.jit import uncounted
 from granulab.contact.laws import normal_force
 from silo2d.engine.forces import edge_to_vertex
 from silo2d.engine.geometry import rotated
@@ -59,7 +59,7 @@ class Plates(NamedTuple):
     pressing: np.ndarray  # (n_particles,) sum f_c l_c [N m], made again each step
 
 
-@njit
+@uncounted
 def rub(world, plates):
     """Add what the plates do in this step to forces and torques, and what they dissipate."""
     row, counts, dt = world.bodies.row, world.counts, world.time_step
@@ -88,7 +88,7 @@ def rub(world, plates):
     world.account[PARTICLE_WALL + FRICTION] += lost * dt
 
 
-@njit
+@uncounted
 def press(world, plates):
     """Sum of elastic normal forces times their distance from the centroid, of each particle."""
     row, inner, counts = world.bodies.row, world.inner, world.counts

@@ -10,7 +10,7 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
-from granulab.contact.jit import njit
+from granulab.contact.jit import uncounted
 from silo2d.engine.state import (
     FIRST,
     FX,
@@ -34,7 +34,7 @@ class Vibration(NamedTuple):
     load: np.ndarray  # (n_walls, 2) forces added up before this step [N]
 
 
-@njit
+@uncounted
 def note(world, vibration):
     """Put forces on the walls aside, so that those of this step alone do work."""
     row, first = world.bodies.row, len(world.bodies.live)
@@ -44,7 +44,7 @@ def note(world, vibration):
             row[first + w, FX + axis] = 0.0
 
 
-@njit
+@uncounted
 def shake(world, vibration):
     """Move the walls to where they are now, account for the work, and put the forces back."""
     row, first = world.bodies.row, len(world.bodies.live)
@@ -63,7 +63,7 @@ def shake(world, vibration):
             row[first + w, UX + axis] = amplitude * vibration.omega * np.cos(phase)
 
 
-@njit
+@uncounted
 def place(world, vibration):
     """Vertices of the walls in the silo's frame, for the lists."""
     bodies, first = world.bodies, len(world.bodies.live)
