@@ -13,7 +13,15 @@ import numpy as np
 from numba import types
 
 from damper3d.engine.geometry import between_spheres, entry, put, vector
-from damper3d.engine.kinds import find_at_wall, find_pairs
+from damper3d.engine.kinds import alone, find_at_wall, find_pairs
+from damper3d.engine.laws.balance import (
+    NOTHING,
+    add_dissipated,
+    add_to_balance,
+    added,
+    take_heat,
+    take_totals,
+)
 from damper3d.engine.laws.rolling import roll
 from damper3d.engine.laws.table import face_wall, halo, law_of, normal_force, note_laws, tear
 from damper3d.engine.motions.turning import count_turning, turn_wall
@@ -25,22 +33,18 @@ from damper3d.engine.state import (
     BLOCK,
     DAMPING,
     FASTEST,
-    FRICTION,
     HERTZ,
-    LAW_TERM,
     MASS,
     MOVED_X,
     MOVED_Y,
     MOVED_Z,
     N_MECHANISMS,
     NO_CONTACT,
-    NORMAL_DAMPING,
-    SLIP_COUNT,
     SPRING_X,
     SPRING_Y,
     SPRING_Z,
+    STEP,
     STIFFNESS,
-    TANGENTIAL_DAMPING,
     WALL_WORK,
     YIELD,
 )
@@ -55,7 +59,8 @@ from granulab.contact.hertz import (
 from granulab.contact.jit import inlined_inner, inner, specialised
 from granulab.contact.vectors import add, cross, dot, scale
 
-NOTHING = 0.0, 0.0, 0.0, 0.0, 0.0  # sums by mechanism, see add_dissipated
+_LOOK = 16  # steps after which it is seen again how many pairs of a list touch
+_MOST = 0.8  # of the pairs of a list
 
 
 @inlined_inner
@@ -64,38 +69,55 @@ def apply_forces(world, shift, speed):
 
     The balance is summed over all blocks of a part, or of the walls, in the order of the list.
     """
-    spheres, walls, balance = world.spheres, world.walls, world.balance
+    walls, balance, most = world.walls, world.balance, np.int64(0)
     sums = NOTHING
     for part in range(len(world.parts) - 1):
-        sums = added(sums, push_pairs(world, part)[1])
+        sums = added(sums, push_pairs(world, part))
     add_to_balance(balance, 0, sums, world.time_step)
-    sums = NOTHING
     for w in range(len(walls.force)):
-        place_wall(spheres, walls, w, shift, speed)
+        place_wall(world.spheres, walls, w, shift, speed)
         face_wall(world.wall_law, w)
-        _, sums = push_at_wall(world, w, walls.first[w], walls.first[w + 1], sums)
-        balance[WALL_WORK] -= world.time_step * take_push(spheres, walls.force[w])
-    add_to_balance(balance, N_MECHANISMS, sums, world.time_step)
+        first = walls.first[w]
+        most = max(most, push_at_wall(world, w, first, walls.first[w + 1]) - first)
+        balance[WALL_WORK] -= world.time_step * take_push(world, walls.force[w])
+    add_to_balance(balance, N_MECHANISMS, take_totals(world.block, most), world.time_step)
 
 
 @inlined_inner
 def push_pairs(world, part):
-    """Forces of the pairs of a part; where those that touch end, and what they dissipate."""
-    block, sums = world.block, NOTHING
+    """Forces of the pairs of a part; sums of what they dissipate, see take_totals."""
+    block = world.block
     first = world.first_pair[part]
-    end = find_pairs(world, first, world.first_pair[part + 1])
+    end = choose_pairs(world, part)
     for begin in range(first, end, BLOCK):
         n = min(end - begin, BLOCK)
         gather(world.spheres, world.inner, begin, n, block)
         between_spheres(whole(n), block)
         note_laws(world.pair_law, world.inner, begin, n, block, 2.0 * halo(world.pair_law))
-        sums = push_and_count(world, world.pair_law, world.inner, begin, n, 0, sums)
-    return end, sums
+        push_and_count(world, world.pair_law, world.inner, begin, n, 0)
+    return take_totals(block, end - first)
 
 
 @inlined_inner
-def push_at_wall(world, w, first, last, sums):
-    """Forces of contacts first ... last - 1, with wall w; where those that touch end, the sums."""
+def choose_pairs(world, part):
+    """Let `touching` name the pairs of a part that act; where they end.
+
+    All of them where most touched not long ago: those that do not touch add exact zeros, which
+    takes less than to find them out.
+    """
+    first, last = world.first_pair[part], world.first_pair[part + 1]
+    if world.packed[part] and world.counts[STEP] % _LOOK != 0:
+        for n in range(np.uintp(first), np.uintp(last)):
+            world.inner.touching[n] = n
+        return last
+    end = find_pairs(world, first, last)
+    world.packed[part] = alone(world.shape) and end - first > _MOST * (last - first)
+    return end
+
+
+@inlined_inner
+def push_at_wall(world, w, first, last):
+    """Forces of contacts first ... last - 1, with wall w; where those that touch end."""
     block = world.block
     end = find_at_wall(world, w, first, last)
     for begin in range(first, end, BLOCK):
@@ -103,9 +125,9 @@ def push_at_wall(world, w, first, last, sums):
         meet_wall(world.spheres, world.walls, world.wall, w, begin, n, block)
         turn_wall(world, n, block)
         note_laws(world.wall_law, world.wall, begin, n, block, halo(world.wall_law))
-        sums = push_and_count(world, world.wall_law, world.wall, begin, n, 1, sums)
+        push_and_count(world, world.wall_law, world.wall, begin, n, 1)
         count_turning(world, n, block)
-    return end, sums
+    return end
 
 
 @inlined_inner
@@ -116,9 +138,11 @@ def meet_wall(spheres, walls, contacts, w, begin, n_contacts, block):
 
 
 @inlined_inner
-def take_push(spheres, force):
+def take_push(world, force):
     """Move the force that a wall's contacts left in the last row to the wall; its power."""
-    last = len(spheres.inverse_mass)
+    spheres, last = world.spheres, len(world.spheres.inverse_mass)
+    take_heat(world.particles.dissipated, spheres.torque, last)
+    spheres.torque[last, 3] = 0.0
     power = 0.0
     for c in range(3):
         power += spheres.force[last, c] * spheres.velocity[last, c]
@@ -128,39 +152,38 @@ def take_push(spheres, force):
 
 
 @inlined_inner
-def push_and_count(world, law, contacts, begin, n_contacts, which, sums):
-    """Hand on the forces of a block of a class, 0 or 1, to their spheres; the sums with theirs."""
+def push_and_count(world, law, contacts, begin, n_contacts, which):
+    """Hand on the forces of a block of a class, 0 or 1, to their spheres."""
     block = world.block
     contact_law(law, whole(n_contacts), block, world.time_step)
     begin_contacts(law, n_contacts, block, world.impacts[which])
     keep_history(contacts, begin, n_contacts, block)
-    return hand_on(world, law, contacts, begin, n_contacts, which, sums)
+    hand_on(world, law, contacts, begin, n_contacts, which)
 
 
-def hand_on(world, law, contacts, begin, n_contacts, which, sums):
+def hand_on(world, law, contacts, begin, n_contacts, which):
     """Add the forces of a block to their spheres, or keep them for threads that will."""
 
 
 @specialised(hand_on)
-def _hand_on(world, law, contacts, begin, n_contacts, which, sums):
+def _hand_on(world, law, contacts, begin, n_contacts, which):
     if isinstance(world[world.fields.index("results")], types.NoneType):
-        return lambda world, law, contacts, begin, n_contacts, which, sums: add_at_once(
-            world, law, contacts, begin, n_contacts, sums
+        return lambda world, law, contacts, begin, n_contacts, which: add_at_once(
+            world, law, contacts, begin, n_contacts
         )
-    return lambda world, law, contacts, begin, n_contacts, which, sums: keep_results(
-        world, contacts, begin, n_contacts, which, sums
+    return lambda world, law, contacts, begin, n_contacts, which: keep_results(
+        world, contacts, begin, n_contacts, which
     )
 
 
 @inlined_inner
-def add_at_once(world, law, contacts, begin, n_contacts, sums):
+def add_at_once(world, law, contacts, begin, n_contacts):
     """Add the forces of a block, and what its contacts lose, to their spheres."""
-    block, dt = world.block, world.time_step
-    add_loads(world.spheres, contacts.i, contacts.j, contacts.touching, begin, n_contacts, block)
-    heat = world.particles.dissipated
-    sums = add_dissipated(heat, contacts, begin, n_contacts, block, dt, sums)
-    sums = roll(law, world.spheres, contacts, begin, n_contacts, block, dt, heat, sums)
-    return tear(law, contacts, begin, n_contacts, dt, heat, sums)
+    spheres, block, dt = world.spheres, world.block, world.time_step
+    add_loads(spheres, contacts.i, contacts.j, contacts.touching, begin, n_contacts, block)
+    add_dissipated(n_contacts, block)
+    roll(law, spheres, contacts, begin, n_contacts, block, dt)
+    tear(law, spheres, contacts, begin, n_contacts, block, dt)
 
 
 @inner
@@ -223,6 +246,7 @@ def apply_law(laws, stored_force, n_contacts, block, dt):
         block.friction_work[k] = touches * friction_work
         block.stiffness_work[k] = touches * stiffness_work
         block.slip_power[k] = -slides * dot(force, slip_rate)
+        block.lost[k] = touches * 0.5 * ((inelastic * rate + power) * dt + friction_work)
 
 
 @inner
@@ -246,40 +270,3 @@ def begin_contacts(law, n_contacts, block, impacts):
             block.next_history[entry(DAMPING, k)] = damping_of_impact(
                 law_of(law, k), hertz, mass, speed
             )
-
-
-@inlined_inner
-def add_dissipated(dissipated, contacts, begin, n_contacts, block, dt, sums):
-    """Half of what each contact dissipates to each of its spheres; the sums by mechanism.
-
-    A wall's half goes to the enclosure's entry, the last.
-    """
-    normal, tangential, friction_work, stiffness_work, slipped = sums
-    for k in range(np.uintp(n_contacts)):
-        if block.overlap[k] > 0.0:
-            n = contacts.touching[np.uintp(begin) + k]
-            lost = (block.normal_power[k] + block.tangential_power[k]) * dt + block.friction_work[k]
-            dissipated[contacts.i[n]] += 0.5 * lost
-            dissipated[contacts.j[n]] += 0.5 * lost
-            normal += block.normal_power[k]
-            tangential += block.tangential_power[k]
-            friction_work += block.friction_work[k]
-            stiffness_work += block.stiffness_work[k]
-            slipped += block.slip_power[k]
-    return normal, tangential, friction_work, stiffness_work, slipped
-
-
-@inlined_inner
-def added(a, b):
-    """Sums by mechanism, of two."""
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3], a[4] + b[4]
-
-
-@inlined_inner
-def add_to_balance(balance, first, sums, dt):
-    """Add what was dissipated in this step to the balance of a class."""
-    balance[first + NORMAL_DAMPING] += sums[0] * dt
-    balance[first + TANGENTIAL_DAMPING] += sums[1] * dt
-    balance[first + FRICTION] += sums[2]
-    balance[first + LAW_TERM] += sums[3]
-    balance[first + SLIP_COUNT] += sums[4] * dt

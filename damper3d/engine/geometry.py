@@ -13,7 +13,7 @@ import numpy as np
 
 from damper3d.engine.simd import separate, whole
 from damper3d.engine.state import BLOCK, DAMPING, RADIUS_I, RADIUS_J
-from granulab.contact.jit import inlined, uncounted
+from granulab.contact.jit import inlined, inlined_inner, inner, uncounted
 from granulab.contact.vectors import cross, dot, scale
 
 _ROUNDING = 1.0 + 1e-12  # squares may say "apart" where the root, rounded, says "touching"
@@ -41,14 +41,14 @@ def put(rows, k, v):
     rows[entry(0, k)], rows[entry(1, k)], rows[entry(2, k)] = v
 
 
-@uncounted
+@inner
 def to_plane(plane, separation):
     """Distance of a sphere's centre from a flat wall [m]; the separation is the origin's."""
     x, y, z = separation
     return -plane[0] * x - plane[1] * y - plane[2] * z - plane[3]
 
 
-@inlined
+@inlined_inner
 def between_spheres(n_contacts, block):
     """The contacts of spheres with spheres in the first lanes of a block."""
     for k in range(np.uintp(n_contacts)):  # unsigned: numba then need not look for negative ones
@@ -72,7 +72,7 @@ def between_spheres(n_contacts, block):
         block.arm_i[k], block.arm_j[k] = radius_i - half, radius_j - half
 
 
-@uncounted
+@inner
 def wall_contact(normal, distance, block, k):
     """Fill lane k of a block with a contact; the normal points to the wall, at a distance [m]."""
     px, py, pz = vector(block.relative_velocity, k)
@@ -101,7 +101,7 @@ def touching_pairs(spheres, contacts, first, last, block):
     return found
 
 
-@inlined
+@inlined_inner
 def note_touching(contacts, begin, n_contacts, block, found):
     """Append those of a block that touch or did a step ago to `touching`; its new length.
 

@@ -9,7 +9,7 @@ from damper3d.engine.geometry import copy_rows, touching_pairs
 from damper3d.engine.multisphere import contact_models, form
 from damper3d.engine.multisphere import motion as multisphere_motion
 from damper3d.engine.multisphere import pairs as multisphere_pairs
-from damper3d.engine.multisphere.particles import ManySpheres
+from damper3d.engine.multisphere.particles import SUM, ManySpheres
 from damper3d.engine.spheres import motion, pairs
 from damper3d.engine.walls import touching_wall
 from granulab.contact.jit import specialised, substituted
@@ -73,6 +73,10 @@ def find_pairs(world, first, last):
 
     Of pairs first ... last - 1; returns where they end.
     """
+
+
+def alone(shape):
+    """Return whether each pair acts as if it were alone."""
 
 
 def find_at_wall(world, w, first, last):
@@ -171,6 +175,13 @@ def _place_near_walls(world, skin, shift):
     if _rotate(world):
         return lambda world, skin, shift: multisphere_motion.place_near_walls(world, skin, shift)
     return lambda world, skin, shift: None
+
+
+@specialised(alone)
+def _alone(shape):
+    if _are_many(shape):
+        return lambda shape: shape.treatment == SUM
+    return lambda shape: True
 
 
 @substituted(find_pairs)

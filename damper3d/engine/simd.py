@@ -25,6 +25,7 @@ from granulab.contact.jit import inlined
 _ROW = ir.VectorType(ir.DoubleType(), 4)
 _NUMBER = ir.IntType(64)
 NOTHING = ir.Constant(_ROW, [0.0] * 4)
+_ONES = ir.Constant(_ROW, [1.0] * 4)
 
 
 def _lanes(*numbers):
@@ -49,6 +50,11 @@ def transposed(builder, rows):
 def spread(builder, vector, lane):
     """A vector with one lane of another in all of its own."""
     return builder.shuffle_vector(vector, vector, _lanes(*[lane] * 4))
+
+
+def _spread_to_three(builder, vector, lane):
+    """A vector with one lane of another in its first three, and 1 in the last."""
+    return builder.shuffle_vector(vector, _ONES, _lanes(lane, lane, lane, 4))
 
 
 def pointer_to(builder, pointer, number, ahead=0):
@@ -259,31 +265,33 @@ def keep_history(contacts, begin, n_contacts, block):
 
 
 @intrinsic
-def _add_four(typingctx, force, torque, i, j, touching, push, couple, arm_i, arm_j, begin, k):
+def _add_four(
+    typingctx, force, torque, i, j, touching, push, couple, lost, arm_i, arm_j, begin, k,
+):  # fmt: skip
     """Loads of contacts k ... k + 3 of the block, one after the other, to their spheres."""
     number = types.int64
     signature = types.void(
-        force, torque, i, j, touching, push, couple, arm_i, arm_j, number, number
+        force, torque, i, j, touching, push, couple, lost, arm_i, arm_j, number, number
     )
 
     def generate(context, builder, signature, arguments):
-        force, torque, i, j, touching, push, couple, arm_i, arm_j, begin, k = data(
+        force, torque, i, j, touching, push, couple, lost, arm_i, arm_j, begin, k = data(
             context, builder, signature, arguments
         )
         first = builder.add(begin, k)
 
-        def rows_of(columns):
+        def rows_of(columns, fourth):
             lanes = [load(builder, columns, k, c * BLOCK) for c in range(3)]
-            return transposed(builder, [*lanes, NOTHING])
+            return transposed(builder, [*lanes, fourth])
 
-        pushes, couples = rows_of(push), rows_of(couple)
+        pushes, couples = rows_of(push, NOTHING), rows_of(couple, load(builder, lost, k))
         arms_i, arms_j = load(builder, arm_i, k), load(builder, arm_j, k)
         for lane in range(4):
             n = named(builder, touching, first, lane)
             at_i = begin_of(builder, named(builder, i, n, 0))
             at_j = begin_of(builder, named(builder, j, n, 0))
-            turn_i = builder.fmul(spread(builder, arms_i, lane), couples[lane])
-            turn_j = builder.fmul(spread(builder, arms_j, lane), couples[lane])
+            turn_i = builder.fmul(_spread_to_three(builder, arms_i, lane), couples[lane])
+            turn_j = builder.fmul(_spread_to_three(builder, arms_j, lane), couples[lane])
             for array, begin_at, change, add in (
                 (force, at_i, pushes[lane], builder.fsub),
                 (force, at_j, pushes[lane], builder.fadd),
@@ -302,14 +310,15 @@ def add_loads(spheres, to_i, to_j, touching, begin, n_contacts, block):
 
     Those of its spheres i and j, or where several threads share a step some that nobody reads. In
     the order of the list. The force push acts on j and its opposite on i, at the distances arm_i
-    and arm_j from the centres; couple is normal x push.
+    and arm_j from the centres; couple is normal x push. What each dissipates is taken off the
+    fourth number of its torque.
     """
     force, torque = spheres.force, spheres.torque
     fours = n_contacts - n_contacts % 4
     for k in range(np.int64(0), fours, 4):
         _add_four(
-            force, torque, to_i, to_j, touching, block.push, block.couple, block.arm_i,
-            block.arm_j, begin, k,
+            force, torque, to_i, to_j, touching, block.push, block.couple, block.lost,
+            block.arm_i, block.arm_j, begin, k,
         )  # fmt: skip
     for k in range(fours, n_contacts):
         n = touching[begin + k]
@@ -319,6 +328,8 @@ def add_loads(spheres, to_i, to_j, touching, begin, n_contacts, block):
             force[j, c] += block.push[c * BLOCK + k]
             torque[i, c] -= block.arm_i[k] * block.couple[c * BLOCK + k]
             torque[j, c] -= block.arm_j[k] * block.couple[c * BLOCK + k]
+        torque[i, 3] -= block.lost[k]
+        torque[j, 3] -= block.lost[k]
 
 
 _LAST = ir.Constant(ir.IntType(32), 3)
@@ -389,13 +400,17 @@ def take_load(typingctx, force, torque, position, x, total, torques, i, b):
 
 @intrinsic
 def kick(typingctx, v, u, loads, factor, gain, i):
-    """Row i of v += factor loads + gain; u is half of that further on; the loads are wiped."""
+    """Row i of v += factor loads + gain; u is half of that further on; the loads are wiped.
+
+    The fourth numbers of v and u stay 0, whatever that of the loads is.
+    """
     signature = types.void(v, u, loads, factor, gain, i)
 
     def generate(context, builder, signature, arguments):
         v, u, loads, factor, gain, i = data(context, builder, signature, arguments)
         begin = begin_of(builder, i)
-        change = builder.fmul(filled(builder, factor), load(builder, loads, begin))
+        factors = row_of(builder, [factor] * 3)
+        change = builder.fmul(factors, load(builder, loads, begin))
         change = builder.fadd(change, row_of(builder, _three(builder, gain)))
         moved = builder.fadd(load(builder, v, begin), change)
         half = builder.fmul(filled(builder, ir.Constant(ir.DoubleType(), 0.5)), change)

@@ -96,7 +96,7 @@ class Spheres(NamedTuple):
     velocity: np.ndarray  # of the centre, extrapolated to the time of the position [m/s]
     angular_velocity: np.ndarray  # of the particle, likewise [rad/s]
     force: np.ndarray  # [N]; with UNREAD rows more, which take what nobody shall read
-    torque: np.ndarray  # about the sphere's centre [N m]; likewise
+    torque: np.ndarray  # about the sphere's centre [N m], less of heat in this step [J]; likewise
     inverse_mass: np.ndarray  # (m,) of the particle [1/kg]
 
 
@@ -185,7 +185,9 @@ class Block(NamedTuple):
     friction_work: np.ndarray  # dissipated by friction in this step [J]
     stiffness_work: np.ndarray  # work of the changing stiffness of the tangential spring [J]
     slip_power: np.ndarray  # friction force times the whole sliding velocity [W]
+    lost: np.ndarray  # half of what is dissipated in this step [J]
     impact_speed: np.ndarray  # speed of an impact that begins in this step [m/s], else 0
+    totals: np.ndarray  # (N_MECHANISMS BLOCK,) sums of the five above over blocks, lane by lane
 
 
 class Cells(NamedTuple):
@@ -219,6 +221,7 @@ class World(NamedTuple):
     counts: np.ndarray  # (N_COUNTS,) int64
     parts: np.ndarray  # (n_parts + 1,) where the particles of each part begin
     first_pair: np.ndarray  # (n_parts + 1,) where its pairs begin in the inner list
+    packed: np.ndarray  # (n_parts,) whether most of these touched when last looked at
     balance: np.ndarray  # (N_BALANCE,) [J]
     impacts: np.ndarray  # (2, 4) of each class, see FASTEST
     lengths: np.ndarray  # (N_LENGTHS,) [m]

@@ -75,7 +75,6 @@ def build_world(
         made = _many_spheres_each(positions, orientations, particle, density, treatment)
     shape, particles, spheres, bounding, room = made
     largest, m = float(spheres.position[:, 3].max()), len(spheres.inverse_mass)
-    bounds = parts_of(n, many=not isinstance(particle, np.ndarray))
     built = World(
         shape=shape,
         particles=particles,
@@ -85,8 +84,7 @@ def build_world(
         walls=walls_of(enclosure, m, curved_wall, bounding, rolls(wall_law)),
         block=block(),
         counts=_first_counts(),
-        parts=bounds,
-        first_pair=np.zeros(len(bounds), np.int64),
+        **in_parts(parts_of(n, many=not isinstance(particle, np.ndarray))),
         balance=np.zeros(state.N_BALANCE),
         impacts=np.column_stack([np.zeros((2, state.YIELD)), yields]),
         lengths=_first_skins(largest),
@@ -222,6 +220,15 @@ def parts_of(n: int, many: bool) -> np.ndarray:
     return parts.parts_of(n, most)
 
 
+def in_parts(bounds: np.ndarray) -> dict[str, np.ndarray]:
+    """Fields of a world whose particles are in parts with these bounds (n_parts + 1,)."""
+    return {
+        "parts": bounds,
+        "first_pair": np.zeros(len(bounds), np.int64),
+        "packed": np.zeros(len(bounds) - 1, np.bool_),
+    }
+
+
 def _first_counts() -> np.ndarray:
     """The counts of a world whose lists are still to be made."""
     counts = np.zeros(state.N_COUNTS, np.int64)
@@ -293,7 +300,7 @@ def block() -> Block:
         "couple",
     )
     rows = dict.fromkeys(vectors, 3) | dict.fromkeys(("history", "next_history"), state.N_HISTORY)
-    rows["constants"] = state.N_CONSTANTS
+    rows |= {"constants": state.N_CONSTANTS, "totals": state.N_MECHANISMS}
     return Block(**{name: zeros(rows.get(name, 1) * state.BLOCK) for name in Block._fields})
 
 

@@ -44,7 +44,7 @@ def scene(seed, same=None):
     contacts.constants[:] = rng.normal(size=contacts.constants.shape)
     contacts.history[:] = rng.normal(size=contacts.history.shape)
     contacts.touching[: BEGIN + BLOCK] = 1 + 2 * np.arange(BEGIN + BLOCK)
-    for name in ("push", "couple", "arm_i", "arm_j", "next_history"):
+    for name in ("push", "couple", "lost", "arm_i", "arm_j", "next_history"):
         getattr(block, name)[:] = rng.uniform(0.1, 1.0, len(getattr(block, name)))
     return spheres, contacts, block
 
@@ -120,6 +120,7 @@ def test_lanes_to_rows(n, same):
         force[j, :3] += push[k]
         torque[i, :3] -= block.arm_i[k] * couple[k]
         torque[j, :3] -= block.arm_j[k] * couple[k]
+        torque[[i, j], 3] -= block.lost[k]
     add_loads(spheres, contacts.i, contacts.j, contacts.touching, BEGIN, n, block)
     assert np.array_equal(spheres.force, force)
     assert np.array_equal(spheres.torque, torque)
@@ -184,7 +185,7 @@ def rows(rng, width=4):
 def test_a_kick_changes_one_velocity_and_wipes_its_load():
     """v += f dt/m + g dt, and u half of that further on."""
     rng = np.random.default_rng(6)
-    v, u, loads = rows(rng), rows(rng), rows(rng)
+    v, u, loads = rows(rng), rows(rng), rng.normal(size=(ROWS, 4))  # the fourth: heat
     per_mass, gain = 0.37, (0.1, -0.2, 0.3)
     v_plain, u_plain, loads_plain = v.copy(), u.copy(), loads.copy()
     for c in range(3):

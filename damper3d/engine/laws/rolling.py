@@ -26,12 +26,13 @@ from damper3d.engine.laws.table import (
     ROLLING_STIFFNESS,
     SCALED_RADIUS,
 )
-from granulab.contact.jit import inlined, inner, specialised
+from damper3d.engine.state import FRICTION, SLIP_COUNT, TANGENTIAL_DAMPING
+from granulab.contact.jit import inlined, inlined_inner, inner, specialised
 from granulab.contact.vectors import add, cross, dot, norm, scale
 
 
-def roll(law, spheres, contacts, begin, n_contacts, block, dt, dissipated, sums):
-    """Add the torques of a block that resist rolling; the sums with what they dissipate."""
+def roll(law, spheres, contacts, begin, n_contacts, block, dt):
+    """Add the torques of a block that resist rolling, and what they dissipate."""
 
 
 def rolling_energy(law, spheres, contacts, begin, k, block, dt):
@@ -50,7 +51,7 @@ def roll_force(stiffness, damping, limit, trial, rate):
     return force, held, 1.0
 
 
-@inlined
+@inlined_inner
 def _rolled(law, spheres, contacts, begin, k, block, dt):
     """Of contact k: force, s before, s without slip, s after, u, half a step's way, sliding."""
     n = contacts.touching[np.uintp(begin) + k]
@@ -69,17 +70,17 @@ def _rolled(law, spheres, contacts, begin, k, block, dt):
     return force, before, trial, held, rate, moved, slides
 
 
-@inlined
+@inlined_inner
 def _across(a, normal):
     return add(a, scale(-dot(a, normal), normal))
 
 
 @specialised(roll)
-def _roll(law, spheres, contacts, begin, n_contacts, block, dt, dissipated, sums):
+def _roll(law, spheres, contacts, begin, n_contacts, block, dt):
     if nothing_rolls(contacts):
-        return lambda law, spheres, contacts, begin, n_contacts, block, dt, dissipated, sums: sums
-    return lambda law, spheres, contacts, begin, n_contacts, block, dt, dissipated, sums: (
-        _roll_block(law, spheres, contacts, begin, n_contacts, block, dt, dissipated, sums)
+        return lambda law, spheres, contacts, begin, n_contacts, block, dt: None
+    return lambda law, spheres, contacts, begin, n_contacts, block, dt: _roll_block(
+        law, spheres, contacts, begin, n_contacts, block, dt
     )
 
 
@@ -89,8 +90,8 @@ def nothing_rolls(contacts):
 
 
 @inner
-def _roll_block(law, spheres, contacts, begin, n_contacts, block, dt, dissipated, sums):
-    normal_damping, tangential, friction_work, stiffness_work, slipped = sums
+def _roll_block(law, spheres, contacts, begin, n_contacts, block, dt):
+    totals = block.totals
     rows, torque, last = contacts.rolling, spheres.torque, len(spheres.inverse_mass)
     for k in range(np.uintp(n_contacts)):
         n = contacts.touching[np.uintp(begin) + k]
@@ -113,12 +114,11 @@ def _roll_block(law, spheres, contacts, begin, n_contacts, block, dt, dissipated
             if j < last:  # the enclosure does not roll
                 torque[j, c] += turn[c]
         lost = 0.5 * (power * dt + work)
-        dissipated[i] += lost
-        dissipated[j] += lost
-        tangential += power
-        friction_work += work
-        slipped += slides * dot(force, rate)
-    return normal_damping, tangential, friction_work, stiffness_work, slipped
+        torque[i, 3] -= lost
+        torque[j, 3] -= lost
+        totals[entry(TANGENTIAL_DAMPING, k)] += power
+        totals[entry(FRICTION, k)] += work
+        totals[entry(SLIP_COUNT, k)] += slides * dot(force, rate)
 
 
 @specialised(rolling_energy)

@@ -21,9 +21,9 @@ from damper3d.engine.laws.cohesion import (
     jkr_force,
     jkr_reach,
 )
-from damper3d.engine.state import BLOCK, DAMPING, HERTZ, zeros
+from damper3d.engine.state import BLOCK, DAMPING, HERTZ, NORMAL_DAMPING, zeros
 from granulab.contact.hertz import NORMAL, HertzLaw, hertz_force
-from granulab.contact.jit import inlined, inner, specialised
+from granulab.contact.jit import inlined_inner, inner, specialised
 
 # Columns of LawTable.constants, and rows of its lanes: those of HertzLaw, the energy of a surface
 # [J/m2], and the rolling resistance's k [N/m], c [N s/m] and mu [-].
@@ -147,8 +147,8 @@ def normal_energy(law, own, stiffness, overlap, k):
     """Energy [J] that contact k holds along its normal."""
 
 
-def tear(law, contacts, begin, n_contacts, dt, dissipated, sums):
-    """Add the energy of the necks of a block that tore to the normal damping of the sums."""
+def tear(law, spheres, contacts, begin, n_contacts, block, dt):
+    """Add the energy of the necks of a block that tore to what normal damping dissipates."""
 
 
 def _is_plain(law):
@@ -169,7 +169,7 @@ def _face_wall(law, w):
     return lambda law, w: _turn_to(law, w)
 
 
-@inlined
+@inlined_inner
 def _turn_to(law, w):
     law.kind[len(law.kind) - 1] = law.walls[w]
 
@@ -193,7 +193,7 @@ def _law_of(law, k):
     return lambda law, k: _law_in_lane(law, k)
 
 
-@inlined
+@inlined_inner
 def _law_in_lane(law, k):
     lanes = law.lanes
     return HertzLaw(
@@ -267,20 +267,20 @@ def _normal_force(law, own, hertz, mass, damping, overlap, rate, k):
     )
 
 
-@inlined
+@inlined_inner
 def _plain_force(own, hertz, mass, damping, overlap, rate):
     stiffness, dashpot, force, inelastic = hertz_force(own, hertz, mass, damping, overlap, rate)
     return stiffness, dashpot, force, inelastic, force
 
 
-@inlined
+@inlined_inner
 def _hertz_contact(law, own, hertz, mass, damping, overlap, rate, k):
     stiffness, dashpot, force, inelastic = hertz_force(own, hertz, mass, damping, overlap, rate)
     law.lanes[entry(LOAD, k)] = max(force, 0.0)
     return stiffness, dashpot, force, inelastic, force
 
 
-@inlined
+@inlined_inner
 def _dmt_contact(law, own, hertz, mass, damping, overlap, rate, k):
     stiffness, dashpot, _, inelastic = hertz_force(own, hertz, mass, damping, overlap, rate)
     radius, surface = law.lanes[entry(SCALED_RADIUS, k)], law.lanes[entry(SURFACE, k)]
@@ -290,7 +290,7 @@ def _dmt_contact(law, own, hertz, mass, damping, overlap, rate, k):
     return stiffness, dashpot, elastic + inelastic, inelastic, load
 
 
-@inlined
+@inlined_inner
 def _jkr_contact(law, own, mass, damping, overlap, rate, k):
     """Hertz's secant stiffness is (4/3) E a: the dashpots and the tangential spring take JKR's."""
     lanes = law.lanes
@@ -318,29 +318,27 @@ def _normal_energy(law, own, stiffness, overlap, k):
     return lambda law, own, stiffness, overlap, k: 0.4 * stiffness * overlap * overlap
 
 
-@inlined
+@inlined_inner
 def _jkr_held(law, own, stiffness, k):
     radius, surface = law.lanes[entry(SCALED_RADIUS, k)], law.lanes[entry(SURFACE, k)]
     return jkr_energy(0.75 * own.hertz, radius, surface, stiffness / own.hertz)
 
 
 @specialised(tear)
-def _tear(law, contacts, begin, n_contacts, dt, dissipated, sums):
+def _tear(law, spheres, contacts, begin, n_contacts, block, dt):
     if _cohesion(law) is Jkr:
-        return lambda law, contacts, begin, n_contacts, dt, dissipated, sums: _tear_necks(
-            law, contacts, begin, n_contacts, dt, dissipated, sums
+        return lambda law, spheres, contacts, begin, n_contacts, block, dt: _tear_necks(
+            law, spheres, contacts, begin, n_contacts, block, dt
         )
-    return lambda law, contacts, begin, n_contacts, dt, dissipated, sums: sums
+    return lambda law, spheres, contacts, begin, n_contacts, block, dt: None
 
 
 @inner
-def _tear_necks(law, contacts, begin, n_contacts, dt, dissipated, sums):
-    normal, tangential, friction_work, stiffness_work, slipped = sums
+def _tear_necks(law, spheres, contacts, begin, n_contacts, block, dt):
     for k in range(np.uintp(n_contacts)):
         torn = law.lanes[entry(TORN, k)]
         if torn > 0.0:
             n = contacts.touching[np.uintp(begin) + k]
-            dissipated[contacts.i[n]] += 0.5 * torn
-            dissipated[contacts.j[n]] += 0.5 * torn
-            normal += torn / dt
-    return normal, tangential, friction_work, stiffness_work, slipped
+            spheres.torque[contacts.i[n], 3] -= 0.5 * torn
+            spheres.torque[contacts.j[n], 3] -= 0.5 * torn
+            block.totals[entry(NORMAL_DAMPING, k)] += torn / dt

@@ -9,6 +9,7 @@ has the velocity u + w x r. Free rotation: rotation.py.
 
 import numpy as np
 
+from damper3d.engine.laws.balance import take_heat
 from damper3d.engine.multisphere.form import (
     farthest_centre,
     first_row,
@@ -65,9 +66,11 @@ def take_loads(world, b):
     for c in range(4):
         particles.force[b, c] = particles.torque[b, c] = 0.0
     for n in range(world.shape.active_first[b], world.shape.active_first[b + 1]):
+        i = np.int64(world.shape.active[n])
+        take_heat(particles.dissipated, spheres.torque, i)
         take_load(
             spheres.force, spheres.torque, spheres.position, particles.position, particles.force,
-            particles.torque, np.int64(world.shape.active[n]), b,
+            particles.torque, i, b,
         )  # fmt: skip
 
 

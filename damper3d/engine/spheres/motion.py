@@ -3,6 +3,7 @@
 import numpy as np
 
 from damper3d.engine.geometry import copy_rows
+from damper3d.engine.laws.balance import take_heat
 from damper3d.engine.simd import drift_on, kick, square_off
 from damper3d.engine.state import (
     INNER_MADE,
@@ -40,6 +41,7 @@ def move(world, shift, first, last):
     left = left_wall = False
     for i in range(np.uintp(first), np.uintp(last)):
         per_mass, per_inertia = dt * particles.inverse_mass[i], dt * particles.inverse_inertia[i]
+        take_heat(particles.dissipated, spheres.torque, i)
         kick(v, spheres.velocity, spheres.force, per_mass, fall, i)
         kick(
             particles.angular_velocity,
