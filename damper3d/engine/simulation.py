@@ -136,19 +136,27 @@ class Simulation:
         self._crew, self._shared = Crew(n_threads) if n_threads > 1 else None, None
         return n_threads
 
-    def _by_threads(self) -> SharedSteps:
-        """Return what shares the steps of the world as it is now."""
+    @property
+    def n_threads(self) -> int:
+        """Threads that share a step; a motion that began since `share` may keep others out."""
+        return self._crew.n_threads if self._crew and not one_thread_only(self.world) else 1
+
+    def _by_threads(self) -> SharedSteps | None:
+        """Return what shares the steps of the world as it is; None where one thread takes them."""
+        if self.n_threads == 1:
+            return None
         if self._shared is None or self._shared.world is not self.world:
             self._shared = SharedSteps(self.world, self._crew, self._first)
         return self._shared
 
     def _fill(self, rows: np.ndarray) -> tuple[int, int, int]:
-        if self._crew:
-            return self._by_threads().fill(self.steps_per_sample, rows)
+        if shared := self._by_threads():
+            return shared.fill(self.steps_per_sample, rows)
         return sampling.advance_sampling(self.world, self.steps_per_sample, rows)
 
     def _advance(self, n_steps: int) -> tuple[int, int]:
-        return self._by_threads().step(n_steps) if self._crew else advance(self.world, n_steps)
+        shared = self._by_threads()
+        return shared.step(n_steps) if shared else advance(self.world, n_steps)
 
     def room(self, n_samples: int) -> np.ndarray:
         """Room for samples."""
@@ -216,6 +224,7 @@ class Simulation:
     def refresh(self) -> None:
         """Make stale lists again now."""
         while self.world.counts[[state.STALE_INNER, state.STALE_WALL]].any():
+            self._shared = None  # which knows its own lists alone
             outcome = search(self.world, self._shift())
             if outcome != DONE:
                 self.answer(outcome)
@@ -354,6 +363,7 @@ class Simulation:
     def restore(self, saved: dict[str, np.ndarray]) -> None:
         """Put back what `save` gave."""
         self._restore_particles(saved)
+        self._shared = None  # which knows its own lists alone
         self.world.counts[:] = 0
         self._restore_pairs(saved["pairs"], saved["springs"].T, saved.get("rolled"))
         world = self.world

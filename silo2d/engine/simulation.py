@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from granulab.contact.compiled.threads import Crew
-from granulab.contact.jit import njit
+from granulab.contact.jit import uncounted
 from granulab.errors import SimulationError
 from silo2d.engine import state
 from silo2d.engine.beds.plates import Plates, rub_plates
@@ -38,7 +38,7 @@ _AT_A_TIME = 4_000_000
 _SAMPLED = "sampled_"  # begins the names of what checkpoints hold of samples at the walls
 
 
-@njit
+@uncounted
 def advance(world, n_steps):
     """Take n_steps steps; returns how many were taken and the outcome of the last search."""
     for k in range(n_steps):
@@ -162,6 +162,7 @@ class Simulation:
     def refresh(self) -> None:
         """Make stale lists again now."""
         while self.world.counts[state.STALE] > 0:
+            self._shared = None  # which knows its own lists alone
             outcome = search(self.world)
             if outcome != DONE:
                 self._resolve(outcome)

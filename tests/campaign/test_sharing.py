@@ -7,6 +7,7 @@ import pytest
 from granulab.campaign.runs import sharing
 
 LONG, SHORT = 1e-3, 1e-6  # [s] a step on one core
+_cores = sharing.cores
 
 
 @pytest.fixture(autouse=True)
@@ -45,3 +46,21 @@ def test_a_run_in_a_worker_process_has_one_thread(monkeypatch):
 def test_the_echo_names_the_threads_where_there_are_several():
     assert sharing.in_words(1) == []
     assert "2 share each step" in sharing.in_words(2)[0]
+
+
+@pytest.mark.parametrize(
+    ("limit", "expected"),
+    [("max 100000", 8), ("200000 100000", 2), ("50000 100000", 1), ("1600000 100000", 8)],
+)
+def test_a_container_s_quota_limits_the_cores(monkeypatch, tmp_path, limit, expected):
+    monkeypatch.setattr(sharing, "_QUOTA", tmp_path / "cpu.max")
+    monkeypatch.setattr(sharing.os, "sched_getaffinity", lambda _: set(range(8)), raising=False)
+    (tmp_path / "cpu.max").write_text(limit + "\n")
+    assert _cores() == expected
+
+
+@pytest.mark.parametrize(("step_us", "expected"), [(5, 1), (39, 1), (41, 2), (130, 6), (1000, 8)])
+def test_threads_have_enough_to_do(monkeypatch, step_us, expected):
+    """Twenty microseconds of a step each."""
+    monkeypatch.setattr(sharing, "cores", lambda: 8)
+    assert sharing.shared_by(1e-6 * step_us) == expected

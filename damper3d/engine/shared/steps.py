@@ -12,9 +12,6 @@ import numpy as np
 from damper3d.engine import sampling
 from damper3d.engine.enclosures.cavity import Triangles
 from damper3d.engine.forces import (
-    NOTHING,
-    add_to_balance,
-    added,
     push_at_wall,
     push_pairs,
     take_push,
@@ -22,6 +19,7 @@ from damper3d.engine.forces import (
 from damper3d.engine.geometry import copy
 from damper3d.engine.integrate import enclosure_at, force_so_far, ride, search
 from damper3d.engine.kinds import first_sphere, measure_gaps, move
+from damper3d.engine.laws.balance import NOTHING, add_to_balance, added, take_totals
 from damper3d.engine.laws.cohesion import Jkr
 from damper3d.engine.laws.table import LawTable, face_wall
 from damper3d.engine.motions import Turning
@@ -52,7 +50,6 @@ from damper3d.engine.state import (
     DONE,
     FASTEST,
     INNER,
-    INNER_SEARCHES,
     N_MECHANISMS,
     NOT_FINITE,
     OUTER,
@@ -60,14 +57,13 @@ from damper3d.engine.state import (
     STALE_INNER,
     STALE_WALL,
     STEP,
-    WALL_SEARCHES,
     WALL_WORK,
     World,
     zeros,
 )
 from damper3d.engine.walls import place_wall
 from damper3d.engine.world import block
-from granulab.contact.compiled.threads import Crew, clock, wait
+from granulab.contact.compiled.threads import Crew, clock, rows_apart, wait
 from granulab.contact.jit import inlined_inner, inner, specialised, uncounted
 
 
@@ -79,17 +75,17 @@ class Team(NamedTuple):
     bounds: np.ndarray  # (n_threads + 1,) where the spheres of each begin
     counts: np.ndarray  # (N_COUNTS,) of the first thread, which are the world's
     lengths: np.ndarray  # (N_LENGTHS,) likewise
-    stale: np.ndarray  # (n_threads, 16) whether each thread saw that a list was left
+    stale: np.ndarray  # (n_threads, 2 or more) whether each thread saw that a list was left
     outcome: np.ndarray  # (1,) of the last search
     impacts: np.ndarray  # (n_threads, 2, 4) World.impacts of each; the first one's are not used
     left: np.ndarray  # (1,) what neighbours.begin_search gave
     near: np.ndarray  # (n_threads, 2, capacity) uint32, near pairs that each thread found
     n_own: np.ndarray  # (n_threads,) how many each found, or remembers; -1 for no room
-    foreign: np.ndarray  # (n_threads, n_threads, capacity) uint32, see Results.foreign
-    n_foreign: np.ndarray  # (n_threads, n_threads)
-    sums: np.ndarray  # (n_parts, 8) what they dissipate, see forces.add_dissipated
+    foreign: np.ndarray  # (n_threads, capacity) uint32 kept loads for others, rows of pairs.contact
+    n_foreign: np.ndarray  # (n_threads, 1 or more) how many
+    sums: np.ndarray  # (n_parts, 8) what they dissipate, see laws.balance
     wall_first: np.ndarray  # (n_walls, n_threads + 1) where the contacts of each thread begin
-    wall_end: np.ndarray  # (n_walls, n_threads) where those that touch end
+    wall_end: np.ndarray  # (n_threads, n_walls or more) where those that touch end
 
 
 @uncounted
@@ -299,10 +295,10 @@ def _work_until(world, part):
 @inlined_inner
 def _push_own_pairs(world, team, thread):
     """Forces of the pairs of a thread, kept for those whose spheres they act on."""
-    world.results.n_foreign[:] = 0
+    world.results.n_foreign[0] = 0
     world.results.own[1] = 0
     for part in range(team.parts[thread], team.parts[thread + 1]):
-        _, sums = push_pairs(world, part)
+        sums = push_pairs(world, part)
         for c in range(len(sums)):
             team.sums[part, c] = sums[c]
 
@@ -314,8 +310,7 @@ def _push_own_at_walls(world, team, thread, shift, speed):
         place_wall(world.spheres, world.walls, w, shift, speed)
         face_wall(world.wall_law, w)
         first, last = team.wall_first[w, thread], team.wall_first[w, thread + 1]
-        end, _ = push_at_wall(world, w, first, last, NOTHING)
-        team.wall_end[w, thread] = end
+        team.wall_end[thread, w] = push_at_wall(world, w, first, last)
 
 
 @inlined_inner
@@ -329,14 +324,17 @@ def _push_enclosure(world, team):
         own = team.sums[part]
         sums = added(sums, (own[0], own[1], own[2], own[3], own[4]))
     add_to_balance(world.balance, 0, sums, world.time_step)
-    sums = NOTHING
+    most = np.int64(0)
     for w in range(len(world.walls.force)):
+        n = np.int64(0)
         for thread in range(len(team.impacts)):
-            first, end = team.wall_first[w, thread], team.wall_end[w, thread]
-            sums = push_enclosure(world, first, end, sums)
-        power = take_push(world.spheres, world.walls.force[w])
+            first, end = team.wall_first[w, thread], team.wall_end[thread, w]
+            push_enclosure(world, first, end, n)
+            n += end - first
+        most = max(most, n)
+        power = take_push(world, world.walls.force[w])
         world.balance[WALL_WORK] -= world.time_step * power
-    add_to_balance(world.balance, N_MECHANISMS, sums, world.time_step)
+    add_to_balance(world.balance, N_MECHANISMS, take_totals(world.block, most), world.time_step)
     ride(world, before)
 
 
@@ -394,23 +392,23 @@ class SharedSteps:
             bounds=first_sphere[world.parts[parts]],
             counts=world.counts,
             lengths=world.lengths,
-            stale=np.zeros((n, 16), np.int64),
+            stale=rows_apart(n, 2),
             outcome=np.zeros(1, np.int64),
             impacts=np.stack([world.impacts * [0.0, 0.0, 0.0, 1.0]] * n),
             left=np.zeros(1),
             near=np.empty((n, 2, len(world.outer.i)), np.uint32),
             n_own=np.zeros(n, np.int64),
-            foreign=np.empty((n, n, capacity), np.uint32),
-            n_foreign=np.zeros((n, n), np.int64),
+            foreign=np.empty((n, capacity), np.uint32),
+            n_foreign=rows_apart(n, 1),
             sums=np.zeros((n_parts, 8)),
             wall_first=np.zeros((n_walls, n + 1), np.int64),
-            wall_end=np.zeros((n_walls, n), np.int64),
+            wall_end=rows_apart(n, n_walls),
         )
         self._to = np.zeros((2, capacity), np.uint32)
         self._waits = np.zeros(len(world.spheres.inverse_mass), np.bool_)
         kept = room_for(capacity, 0), room_for(at_walls, at_walls)
         self._worlds = [self._world_of(thread, *kept) for thread in range(n)]
-        self._searches = -1, -1  # of pairs and of walls, when the lists were shared out last
+        self._shared_out = False  # the contacts of the lists that there are
 
     def _world_of(self, thread: int, pairs: Kept, walls: Kept) -> World:
         """The world as a thread sees it: what it writes for itself is its own."""
@@ -443,6 +441,8 @@ class SharedSteps:
 
     def fill(self, steps_per_sample: int, rows: np.ndarray) -> tuple[int, int, int]:
         """See sampling.advance_sampling."""
+        if not len(rows):  # to compile: in the caller's thread, which hears Ctrl-C
+            return advance_sampling_shared(self._worlds[0], self._team, 0, steps_per_sample, rows)
         return self._run(advance_sampling_shared, (steps_per_sample, rows))
 
     def step(self, n_steps: int) -> tuple[int, int]:
@@ -452,18 +452,17 @@ class SharedSteps:
     def _run(self, kernel: Any, arguments: tuple[Any, ...]) -> Any:
         """Call a kernel in each thread.
 
-        Lists that were made without the threads, for a look at the bed, are made again.
+        Lists that were made before these threads came are made again, which shares them out.
         """
-        counts = self.world.counts
-        if self._searches != (counts[INNER_SEARCHES], counts[WALL_SEARCHES]):
-            counts[STALE_INNER] = 1
+        if not self._shared_out:
+            self.world.counts[STALE_INNER] = 1
         self._team.clock[0] = 0
         for world in self._worlds[1:]:
             world.counts[:], world.lengths[:] = self.world.counts, self.world.lengths
         ended = self._crew.run(
             kernel, [(world, self._team, t, *arguments) for t, world in enumerate(self._worlds)]
         )
-        self._searches = int(counts[INNER_SEARCHES]), int(counts[WALL_SEARCHES])
+        self._shared_out = True
         return ended
 
 

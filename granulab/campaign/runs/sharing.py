@@ -11,8 +11,10 @@ from pathlib import Path
 from granulab.campaign.output.files import writing
 
 _LOOK = 0.5  # [s] between the times that a waiting process checks whether it should stop
-# [s] of a step on one core, from which it pays that threads wait for one another three times in it.
-_PAYS = 40e-6
+# [s] of a step that each thread shall have: they wait for one another three times in it, and two
+# begin to pay at a step of twice as much.
+_OF_EACH = 20e-6
+_QUOTA = Path("/sys/fs/cgroup/cpu.max")  # of a container: microseconds of CPU, and in how many
 _wanted: ContextVar[int | None] = ContextVar("threads", default=None)
 
 
@@ -60,9 +62,11 @@ def once(folder: Path, name: str, work: Callable[[], None]) -> None:
 
 def cores() -> int:
     """Return how many cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    n = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    with suppress(OSError, ValueError):  # no container, or no limit
+        quota, period = _QUOTA.read_text(encoding="ascii").split()
+        n = min(n, max(int(quota) // int(period), 1))
+    return n
 
 
 @contextmanager
@@ -78,7 +82,7 @@ def wanted(n_threads: int | None) -> Iterator[None]:
 def shared_by(step_s: float) -> int:
     """Return how many threads shall share a run whose step takes one core so long [s].
 
-    As many as are wanted; else all cores where the step is long enough, but one in a process or
+    As many as are wanted; else as many cores as have enough of the step, but one in a process or
     thread that another one began: it is one of several, as those of a sweep are.
     """
     n_threads = _wanted.get()
@@ -86,7 +90,7 @@ def shared_by(step_s: float) -> int:
         return n_threads
     leads = threading.current_thread() is threading.main_thread()
     is_one_of_several = not leads or multiprocessing.parent_process() is not None
-    return 1 if is_one_of_several or step_s < _PAYS else cores()
+    return 1 if is_one_of_several else max(min(int(step_s / _OF_EACH), cores()), 1)
 
 
 def in_words(n_threads: int) -> list[str]:

@@ -13,6 +13,8 @@ import platform
 import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import wait as settled
+from threading import Barrier
 from typing import Any
 
 import numpy as np
@@ -28,9 +30,20 @@ _let_go = types.ExternalFunction(
 )
 
 
+_LINES = 16  # numbers of eight bytes in two lines of the cache, which processors load together
+
+
 def clock() -> np.ndarray:
     """Make a clock for threads to wait with: counts their arrivals, alone in its cache lines."""
-    return np.zeros(16, np.int64)
+    return rows_apart(1, 1)[0]
+
+
+def rows_apart(n_rows: int, n: int) -> np.ndarray:
+    """Rows of at least n integers, zeros, no two of which share a line of the cache."""
+    width = -(-n // _LINES) * _LINES
+    room = np.zeros(n_rows * width + _LINES, np.int64)
+    begin = (-room.ctypes.data // room.itemsize) % _LINES
+    return room[begin : begin + n_rows * width].reshape(n_rows, width)
 
 
 @intrinsic
@@ -85,20 +98,39 @@ def wait(clock, n_threads, arrived):
 
 
 class Crew:
-    """Threads that run a kernel together; the caller's own is the first of them."""
+    """Threads that run a kernel together, while the caller's waits for them.
+
+    None of them is the one that hears Ctrl-C: a kernel that one of them did not begin would let the
+    others wait for ever. So they are all there before the first kernel, and an interrupted caller
+    waits until theirs have ended.
+    """
 
     def __init__(self, n_threads: int) -> None:
+        """Begin so many threads; RuntimeError where the machine does not let it."""
         self.n_threads = n_threads
-        self._others = ThreadPoolExecutor(n_threads - 1) if n_threads > 1 else None
+        self._pool = ThreadPoolExecutor(n_threads)
+        together = Barrier(n_threads + 1)
+        try:
+            for _ in range(n_threads):
+                self._pool.submit(together.wait)
+        except RuntimeError:
+            together.abort()
+            raise
+        together.wait()
 
     def run(self, kernel: Callable[..., Any], arguments: Sequence[tuple[Any, ...]]) -> Any:
         """Call a kernel with the arguments of each thread at once; what the first one returns.
 
-        The kernel must be compiled: a thread that failed to begin would let the others wait.
+        The kernel must be compiled.
         """
-        if self._others is None:
-            return kernel(*arguments[0])
-        others = [self._others.submit(kernel, *own) for own in arguments[1:]]
+        first = self._pool.submit(self._lead, kernel, arguments)
+        try:
+            return first.result()
+        finally:
+            settled([first])
+
+    def _lead(self, kernel: Callable[..., Any], arguments: Sequence[tuple[Any, ...]]) -> Any:
+        others = [self._pool.submit(kernel, *own) for own in arguments[1:]]
         first = kernel(*arguments[0])
         for other in others:
             other.result()

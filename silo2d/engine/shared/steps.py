@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from granulab.contact.compiled.threads import Crew, clock, wait
-from granulab.contact.jit import inlined, njit
+from granulab.contact.compiled.threads import Crew, clock, rows_apart, wait
+from granulab.contact.jit import inlined, inner, uncounted
 from silo2d.engine.door import move_walls, take_loads
 from silo2d.engine.forces import add_to_account, added, contact_forces
 from silo2d.engine.integrate import end_step, move_live
@@ -27,7 +27,6 @@ from silo2d.engine.state import (
     DONE,
     FX,
     FY,
-    INNER_SEARCHES,
     LIVE,
     OUTER,
     PARTICLE_PARTICLE,
@@ -47,13 +46,13 @@ class Team(NamedTuple):
     bounds: np.ndarray  # (n_threads + 1,) where the particles of each begin
     forces: Forces  # of all inner pairs, (capacity,)
     sums: np.ndarray  # (2, n_parts, 8) what each part of each class dissipates in this step
-    foreign: np.ndarray  # (n_threads, n_threads, capacity) uint32 pairs of each that act on each
-    n_foreign: np.ndarray  # (n_threads, n_threads)
-    seen: np.ndarray  # (n_threads, 16) whether a particle left its skin, or the silo
+    foreign: np.ndarray  # (n_threads, capacity) uint32 pairs of each that act on others' particles
+    n_foreign: np.ndarray  # (n_threads, 1 or more) how many
+    seen: np.ndarray  # (n_threads, 2 or more) whether a particle left its skin, or the silo
     outcome: np.ndarray  # (1,) of the search so far
 
 
-@njit
+@uncounted
 def advance_shared(world, team, thread, n_steps):
     """Take n_steps steps, as simulation.advance; each thread calls it."""
     arrived, n_threads, counts = np.int64(0), len(team.n_foreign), world.counts
@@ -107,7 +106,7 @@ def _search(world, team, thread, arrived):
     return arrived
 
 
-@njit
+@uncounted
 def _own_live(world, team, thread):
     """Return where the live particles of a thread begin and end."""
     live = world.bodies.live[: world.counts[LIVE]]
@@ -117,26 +116,23 @@ def _own_live(world, team, thread):
     )
 
 
-@njit
+@inner
 def _name_to_others(world, team, thread):
-    """Name the pairs of a thread that act on others' particles to these."""
+    """Name the pairs of a thread that act on others' particles."""
     inner = world.inner
-    team.n_foreign[thread, :] = 0
+    team.n_foreign[thread, 0] = 0
     first, last = (
         world.first_pair[0, team.parts[thread]],
         world.first_pair[0, team.parts[thread + 1]],
     )
     for n in range(first, last):
         second = max(inner.vertex_body[n], inner.edge_body[n])
-        other = thread
-        while second >= team.bounds[other + 1]:
-            other += 1
-        if other > thread:
-            team.foreign[thread, other, team.n_foreign[thread, other]] = n
-            team.n_foreign[thread, other] += 1
+        if second >= team.bounds[thread + 1]:
+            team.foreign[thread, team.n_foreign[thread, 0]] = n
+            team.n_foreign[thread, 0] += 1
 
 
-@njit
+@inner
 def _push(world, team, thread):
     """Forces of a thread's pairs, and what they dissipate."""
     for part in range(team.parts[thread], team.parts[thread + 1]):
@@ -146,7 +142,7 @@ def _push(world, team, thread):
         _push_class(world, team.forces, world.wall_law, first, last, team.sums[1, part])
 
 
-@njit
+@inner
 def _push_class(world, forces, law, first, last, sums):
     """Forces of pairs first ... last - 1, of one law; sums (8,): by mechanism."""
     for begin in range(first, last, BLOCK):
@@ -167,14 +163,14 @@ def _push_class(world, forces, law, first, last, sums):
     sums[0], sums[1], sums[2] = normal, tangential, lost
 
 
-@njit
+@inner
 def _deliver(world, team, thread):
     """Add the forces on a thread's particles up."""
     row, inner, forces = world.bodies.row, world.inner, team.forces
     begins, ends = team.bounds[thread], team.bounds[thread + 1]
     for other in range(thread):
-        for k in range(team.n_foreign[other, thread]):
-            _add(row, inner, forces, team.foreign[other, thread, k], begins, ends)
+        for k in range(team.n_foreign[other, 0]):
+            _add(row, inner, forces, team.foreign[other, k], begins, ends)
     for which in range(2):
         first = world.first_pair[which, team.parts[thread]]
         for n in range(first, world.first_pair[which, team.parts[thread + 1]]):
@@ -195,7 +191,7 @@ def _add(row, inner, forces, n, begins, ends):
         row[i, TORQUE] += forces.torque_i[n]
 
 
-@njit
+@inner
 def _push_walls(world, team):
     """Add the forces on the walls up, and what all pairs dissipate."""
     row, dt = world.bodies.row, world.time_step
@@ -226,23 +222,25 @@ class SharedSteps:
             bounds=world.parts[parts],
             forces=Forces(*(np.zeros(capacity) for _ in Forces._fields)),
             sums=np.zeros((2, len(world.parts) - 1, 8)),
-            foreign=np.empty((n, n, capacity), np.uint32),
-            n_foreign=np.zeros((n, n), np.int64),
-            seen=np.zeros((n, 16), np.bool_),
+            foreign=np.empty((n, capacity), np.uint32),
+            n_foreign=rows_apart(n, 1),
+            seen=rows_apart(n, 2),
             outcome=np.full(1, DONE),
         )
-        self._searches = -1  # when the pairs were named to others last
+        self._shared_out = False  # the pairs of the lists that there are
 
     def step(self, n_steps: int) -> tuple[int, int]:
         """See simulation.advance.
 
-        Lists that were made without the threads, for a look at the silo, are made again.
+        Lists that were made before these threads came are made again, which shares them out.
         """
+        if not n_steps:  # to compile: in the caller's thread, which hears Ctrl-C
+            return advance_shared(self.world, self._team, 0, 0)
         counts = self.world.counts
-        if self._searches != counts[INNER_SEARCHES]:
+        if not self._shared_out:
             counts[STALE] = max(counts[STALE], 1)
         self._team.clock[0] = 0
         arguments = [(self.world, self._team, t, n_steps) for t in range(self._crew.n_threads)]
         taken, outcome = self._crew.run(advance_shared, arguments)
-        self._searches = int(counts[INNER_SEARCHES])
+        self._shared_out = True
         return taken, outcome
