@@ -40,6 +40,7 @@ def run_of_unlike(tmp_path_factory) -> Path:
     return the_run(root).path
 
 
+@pytest.mark.validation  # compiles kernels of its own
 def test_two_kinds_that_are_alike_are_filled_and_shaken_to_the_bits_of_one(
     damper_reference, tmp_path
 ):

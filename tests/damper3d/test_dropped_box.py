@@ -18,6 +18,7 @@ def test_one_body_takes_all_of_a_box_of_its_momentum():
     assert one_body(0.7, 0.7) == one_body(2.0, 0.7) == 0.0
 
 
+@pytest.mark.validation  # compiles kernels of its own
 @pytest.mark.parametrize("restitution", [0.5, 0.9])
 def test_a_nearly_empty_box_rebounds_as_the_empty_one(restitution):
     """To e0^2 of the drop, less what the bed takes.

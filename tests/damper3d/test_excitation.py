@@ -200,6 +200,7 @@ def test_without_keys_there_is_no_excitation(tmp_path):
     assert excitation_of(Settings(), False, 0.0, 0.0, tmp_path, "case") is None
 
 
+@pytest.mark.validation  # compiles kernels of its own
 def test_a_wall_that_turns_drags_what_touches_it_along():
     """A ball on the floor of a spinning cylinder, 8 mm off the axis, is pushed as the floor moves.
 

@@ -31,6 +31,7 @@ SHOCK = {**PLAIN, "excitation.kind": "shock", "excitation.amplitude": "40 g",
          "excitation.length": "5 ms"}  # fmt: skip
 SIGNAL = {**PLAIN, "excitation.kind": "signal", "excitation.file": "signal.csv"}
 HOST = {"host.mass": "0.1 kg", "host.frequency": 80.0, "host.damping_ratio": 0.02}
+_OWN_KERNELS = pytest.mark.validation  # half a minute to compile
 ON_HOST = {
     "sweep": {**SWEEP, **HOST, "excitation.amplitude": "0.5 N"},
     "random": {**RANDOM, **HOST, "excitation.on": "base"},
@@ -213,6 +214,7 @@ def test_every_key_that_acts_names_another_run(tmp_path):
         assert len(digests) == 2, key
 
 
+@pytest.mark.validation  # compiles kernels of its own
 def test_a_random_run_that_is_cut_off_goes_on_with_its_bits(tmp_path):
     file = write_damper(tmp_path, RANDOM)
     protocol.run(DamperCase.load(file), out=tmp_path / "whole")
@@ -267,7 +269,7 @@ def test_an_enclosure_that_turns_gives_the_energy_that_the_bed_takes(tmp_path):
     assert turned.excitation["peak_velocity_m_s"] == pytest.approx(rim, rel=1e-6)
 
 
-@pytest.mark.parametrize("kind", ON_HOST)
+@pytest.mark.parametrize("kind", ["sweep", "shock", pytest.param("random", marks=_OWN_KERNELS)])
 def test_a_host_under_an_excitation_closes_its_energy(kind, tmp_path):
     """Of host and bed below 1e-3 of what moved them, as structure.md asks."""
     result = protocol.run(load(tmp_path, ON_HOST[kind]), out=tmp_path / "runs")

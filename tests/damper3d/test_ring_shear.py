@@ -119,6 +119,7 @@ def test_toroid_between_stick_and_slip():
     assert forces[-1] == pytest.approx(limit, rel=1e-3)
 
 
+@pytest.mark.validation  # half a minute of finite elements
 def test_lying_toroid_of_sub_spheres_in_shear():
     """Fig. 5.10b, coarsely. With half as many elements and directions as the study its finite
     elements change by 1 %. One contact is its own 8 G* a whatever the number of sub-spheres, and
