@@ -8,6 +8,8 @@ from damper3d.case.closed_forms import fluidisation_threshold
 from damper3d.case.contacts import Pairing
 from damper3d.case.oscillation import DEEPEST
 from damper3d.case.parameters import SAFE_SHARE
+from damper3d.engine.enclosures.cavity import Cavity
+from damper3d.engine.motions import Turning
 from damper3d.engine.records import CLASSES
 from damper3d.engine.world import parts_of
 from granulab.campaign.output import room
@@ -59,8 +61,12 @@ def expected_cpu_of_step(case: DamperCase) -> float:
 
 
 def most_threads(case: DamperCase) -> int:
-    """Return how many threads can share a step, but for what shared.steps.one_thread_only names."""
-    return 1 if case.dampers else len(parts_of(case.count, not case.of_spheres)) - 1
+    """Return how many threads can share a step: see engine.simulation.Simulation.share."""
+    law = case.settings.law
+    alone = case.dampers or law.rolling_friction or law.cohesion == "jkr"
+    if alone or isinstance(case.enclosure, Cavity) or isinstance(case.shaker, Turning):
+        return 1
+    return len(parts_of(case.count, not case.of_spheres)) - 1
 
 
 def expected_stages(case: DamperCase) -> dict[str, float]:

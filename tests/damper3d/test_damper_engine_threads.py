@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from host_scenes import resolved
 
+from damper3d.case.plan import most_threads
 from damper3d.engine import state, world
 from damper3d.engine.laws.cohesion import Dmt
 from damper3d.engine.laws.table import Contact, law_table
@@ -87,7 +88,7 @@ def compare(make, n_threads):
         assert np.array_equal(found[what], array), what
 
 
-@pytest.mark.parametrize(("name", "n_threads"), zip(BEDS, (2, 3), strict=True))
+@pytest.mark.parametrize(("name", "n_threads"), list(zip(BEDS, (2, 3), strict=True)))
 def test_no_bit_depends_on_the_number_of_threads(name, n_threads):
     compare(BEDS[name], n_threads)
 
@@ -119,6 +120,32 @@ def test_an_enclosure_that_begins_to_turn_is_left_to_one_thread():
     assert sim.share(2) == sim.n_threads == 2
     sim.begin_phase(shaker=Turning(damper_beds.STILL, 1.0, np.zeros(1)))
     assert sim.n_threads == 1
+
+
+ROLLS = {"rolling_friction": 0.01, "rolling_stiffness": "1 N/m", "rolling_damping": "1 mN s/m"}
+TURNS = {"kind": "rotation", "frequencies": [80], "amplitudes": ["20 deg"]}
+
+
+@pytest.mark.parametrize(
+    ("tables", "shares"),
+    [
+        ({}, True),
+        ({"law": {"cohesion": "dmt", "surface_energy": "0.05 J/m2"}}, True),
+        ({"law": {"cohesion": "jkr", "surface_energy": "0.05 J/m2"}}, False),
+        ({"law": ROLLS}, False),
+        ({"excitation": TURNS}, False),
+    ],
+    ids=["plain", "DMT", "JKR", "rolling resistance", "turning"],
+)
+def test_the_threads_that_are_told_share_the_steps(tables, shares):
+    """The echo tells them before there is a bed."""
+    n, room = 1500, {"diameter": "20 mm", "height": "2 m"}
+    case = resolved(particles={"shape": "sphere:5mm", "count": n}, enclosure=room, **tables)
+    sim = resting(case, np.random.default_rng(1).uniform(0.0, 0.03, (n, 3)))
+    sim.share(1000)
+    sim.world = sim.world._replace(shaker=case.shaker)
+    assert sim.n_threads == most_threads(case)
+    assert (sim.n_threads > 1) == shares
 
 
 def test_a_bed_goes_on_with_another_number_of_threads():
