@@ -20,8 +20,10 @@ from damper3d.engine.state import BLOCK, N_MECHANISMS, zeros
 from granulab.contact.jit import inlined_inner, inner
 from granulab.contact.vectors import scale
 
+FIRST_ROW, N_ROWS = range(2)  # entries of Results.rows
 
-class Kept(NamedTuple):
+
+class Loads(NamedTuple):
     """Loads of contacts that are kept for a moment; of each thread from its first contact on."""
 
     contact: np.ndarray  # (capacity,) uint32 which of the list
@@ -34,8 +36,8 @@ class Kept(NamedTuple):
 class Results(NamedTuple):
     """Rows to which a thread adds the loads of its contacts, or where it keeps them."""
 
-    pairs: Kept
-    walls: Kept
+    pairs: Loads
+    walls: Loads
     to_i: np.ndarray  # (capacity,) uint32 of each pair, row that takes the load of its first sphere
     to_j: np.ndarray  # (capacity,) uint32 and of its second; the unread one where the load is kept
     of_wall: np.ndarray  # (capacity,) uint32 unread rows, for the enclosure
@@ -44,14 +46,14 @@ class Results(NamedTuple):
     thread: int
     foreign: np.ndarray  # (capacity,) uint32 those rows of `pairs` whose second is another's
     n_foreign: np.ndarray  # (1 or more,) how many
-    own: np.ndarray  # (2,) row from which on pairs are kept, and how many are in this step
+    rows: np.ndarray  # (2,) of `pairs` that this thread fills: the first, and how many this step
 
 
-def room_for(capacity: int, n_powers: int) -> Kept:
+def room_for(capacity: int, n_powers: int) -> Loads:
     """Room for the loads of so many contacts."""
     rows = (zeros(capacity, 4) for _ in range(3))
     powers = np.zeros((n_powers, N_MECHANISMS))
-    return Kept(np.zeros(capacity, np.uint32), *rows, powers=powers)
+    return Loads(np.zeros(capacity, np.uint32), *rows, powers=powers)
 
 
 @inner
@@ -100,8 +102,8 @@ def _of_pairs(world, contacts, begin, n_contacts):
 def _keep_pair(world, n, j, k):
     """Keep the load of pair n, contact k of the block, and name it if sphere j is another's."""
     results = world.results
-    row = results.own[0] + results.own[1]
-    results.own[1] += 1
+    row = results.rows[FIRST_ROW] + results.rows[N_ROWS]
+    results.rows[N_ROWS] += 1
     _keep_load(results.pairs, row, n, world.block, k)
     if j >= results.bounds[results.thread + 1]:
         results.foreign[results.n_foreign[0]] = row
@@ -150,7 +152,7 @@ def deliver(world, foreign, n_foreign):
             j = pairs.j[kept.contact[row]]
             if own_begin <= j < own_end:
                 _add_to_second(world.spheres, kept, row, j)
-    for row in range(results.own[0], results.own[0] + results.own[1]):
+    for row in range(results.rows[FIRST_ROW], results.rows[FIRST_ROW] + results.rows[N_ROWS]):
         n = kept.contact[row]
         i, j = pairs.i[n], pairs.j[n]
         if results.to_i[n] != i:

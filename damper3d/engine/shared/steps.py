@@ -35,7 +35,9 @@ from damper3d.engine.neighbours import (
     near_pairs,
 )
 from damper3d.engine.shared.results import (
-    Kept,
+    FIRST_ROW,
+    N_ROWS,
+    Loads,
     Results,
     choose_rows,
     deliver,
@@ -224,7 +226,7 @@ def _take_pairs(world, team, thread, arrived):
     n_threads = len(team.impacts)
     first = world.first_pair[team.parts[thread]]
     last = world.first_pair[team.parts[thread + 1]]
-    world.results.own[0] = first
+    world.results.rows[FIRST_ROW] = first
     inherit_histories(world, first, last)
     mark_waiting(world, first, last)
     arrived = wait(team.clock, n_threads, arrived)
@@ -296,7 +298,7 @@ def _work_until(world, part):
 def _push_own_pairs(world, team, thread):
     """Forces of the pairs of a thread, kept for those whose spheres they act on."""
     world.results.n_foreign[0] = 0
-    world.results.own[1] = 0
+    world.results.rows[N_ROWS] = 0
     for part in range(team.parts[thread], team.parts[thread + 1]):
         sums = push_pairs(world, part)
         for c in range(len(sums)):
@@ -410,7 +412,7 @@ class SharedSteps:
         self._worlds = [self._world_of(thread, *kept) for thread in range(n)]
         self._shared_out = False  # the contacts of the lists that there are
 
-    def _world_of(self, thread: int, pairs: Kept, walls: Kept) -> World:
+    def _world_of(self, thread: int, pairs: Loads, walls: Loads) -> World:
         """The world as a thread sees it: what it writes for itself is its own."""
         world, team = self.world, self._team
         unread = len(world.spheres.inverse_mass) + 1 + 2 * thread
@@ -425,7 +427,7 @@ class SharedSteps:
             thread=thread,
             foreign=team.foreign[thread],
             n_foreign=team.n_foreign[thread],
-            own=np.zeros(2, np.int64),
+            rows=np.zeros(2, np.int64),
         )
         if thread == 0:
             return world._replace(results=results)
