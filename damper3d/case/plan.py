@@ -8,6 +8,7 @@ from damper3d.case.closed_forms import fluidisation_threshold
 from damper3d.case.contacts import Pairing
 from damper3d.case.oscillation import DEEPEST
 from damper3d.case.parameters import SAFE_SHARE
+from damper3d.engine import state
 from damper3d.engine.enclosures.cavity import Cavity
 from damper3d.engine.motions import Turning
 from damper3d.engine.records import CLASSES
@@ -66,7 +67,7 @@ def most_threads(case: DamperCase) -> int:
     alone = case.dampers or law.rolling_friction or law.cohesion == "jkr"
     if alone or isinstance(case.enclosure, Cavity) or isinstance(case.shaker, Turning):
         return 1
-    return len(parts_of(case.count, not case.of_spheres)) - 1
+    return state.most_threads(parts_of(case.count, not case.of_spheres))
 
 
 def expected_stages(case: DamperCase) -> dict[str, float]:

@@ -1,6 +1,6 @@
 """Assembly: the forces of all contacts, added to spheres and walls, and what they dissipate.
 
-Passes over blocks of the contacts that touch (touching.py): their spheres' rows (lanes.py), where
+Passes over blocks of the contacts that touch (geometry.py): their spheres' rows (simd.py), where
 they touch (geometry.py), what the law says, and adding it up. The first three have no branch and
 are vectorised; a contact that has just ended has overlap 0, which makes its forces exact zeros. The
 last goes in the order of the list, which is that of the sphere numbers.
@@ -15,12 +15,13 @@ from numba import types
 from damper3d.engine.geometry import between_spheres, entry, put, vector
 from damper3d.engine.kinds import alone, find_at_wall, find_pairs
 from damper3d.engine.laws.balance import (
-    NOTHING,
-    add_dissipated,
+    NO_LOSS,
     add_to_balance,
     added,
+    note_totals,
     take_heat,
     take_totals,
+    totals_so_far,
 )
 from damper3d.engine.laws.rolling import roll
 from damper3d.engine.laws.table import face_wall, halo, law_of, normal_force, note_laws, tear
@@ -69,18 +70,17 @@ def apply_forces(world, shift, speed):
 
     The balance is summed over all blocks of a part, or of the walls, in the order of the list.
     """
-    walls, balance, most = world.walls, world.balance, np.int64(0)
-    sums = NOTHING
+    walls, balance = world.walls, world.balance
+    sums = NO_LOSS
     for part in range(len(world.parts) - 1):
         sums = added(sums, push_pairs(world, part))
     add_to_balance(balance, 0, sums, world.time_step)
     for w in range(len(walls.force)):
         place_wall(world.spheres, walls, w, shift, speed)
         face_wall(world.wall_law, w)
-        first = walls.first[w]
-        most = max(most, push_at_wall(world, w, first, walls.first[w + 1]) - first)
+        push_at_wall(world, w, walls.first[w], walls.first[w + 1])
         balance[WALL_WORK] -= world.time_step * take_push(world, walls.force[w])
-    add_to_balance(balance, N_MECHANISMS, take_totals(world.block, most), world.time_step)
+    add_to_balance(balance, N_MECHANISMS, take_totals(world.block), world.time_step)
 
 
 @inlined_inner
@@ -95,7 +95,7 @@ def push_pairs(world, part):
         between_spheres(whole(n), block)
         note_laws(world.pair_law, world.inner, begin, n, block, 2.0 * halo(world.pair_law))
         push_and_count(world, world.pair_law, world.inner, begin, n, 0)
-    return take_totals(block, end - first)
+    return take_totals(block)
 
 
 @inlined_inner
@@ -180,8 +180,9 @@ def _hand_on(world, law, contacts, begin, n_contacts, which):
 def add_at_once(world, law, contacts, begin, n_contacts):
     """Add the forces of a block, and what its contacts lose, to their spheres."""
     spheres, block, dt = world.spheres, world.block, world.time_step
-    add_loads(spheres, contacts.i, contacts.j, contacts.touching, begin, n_contacts, block)
-    add_dissipated(n_contacts, block)
+    sums, touching = totals_so_far(block), contacts.touching
+    sums = add_loads(spheres, contacts.i, contacts.j, touching, begin, n_contacts, block, sums)
+    note_totals(block, sums)
     roll(law, spheres, contacts, begin, n_contacts, block, dt)
     tear(law, spheres, contacts, begin, n_contacts, block, dt)
 

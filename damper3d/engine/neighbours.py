@@ -8,8 +8,8 @@ margin, so that a bed that flies as one keeps its lists; the list of wall contac
 moved by its margin against the enclosure. Skins follow the speed, so that a list lasts for a few
 tens of steps whatever it is.
 
-Lists are in ascending order of the numbers of particles, then of spheres. No force depends on when
-a list was made: what does not touch is not asked.
+Lists are in ascending order of the numbers of particles, then of spheres. No bit depends on when a
+list was made: what does not touch is not asked, or adds exact zeros.
 """
 
 import numpy as np

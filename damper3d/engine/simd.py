@@ -6,12 +6,12 @@ quantity. A compiler makes of that some forty scattered loads, insertions and st
 which take half of the time of a step. Here four contacts are worked at once: rows are loaded whole
 and transposed in registers. What is left over at the end of a block, fewer than four contacts, is
 done one by one, in the plain form.
-In order: instructions on rows, which write vector code into a kernel while numba compiles it
-(builder is llvmlite's); rows of contacts to lanes and back; from a particle to its spheres and
-back; a step of a sphere, where a compiler would take all rows number by number, as three numbers of
-one are summed for the lists. A sphere at r from the centroid of its particle is at x + r and has
-the velocity u + w x r; the force f and torque t on it give f and t + r x f to the particle. The
-plain forms that these equal to the last bit stand in tests/damper3d/test_damper_engine_simd.py.
+In order, of instructions on rows (granulab/contact/compiled/rows.py): rows of contacts to lanes and
+back; from a particle to its spheres and back; a step of a sphere, where a compiler would take all
+rows number by number, as three numbers of one are summed for the lists. A sphere at r from the
+centroid of its particle is at x + r and has the velocity u + w x r; the force f and torque t on it
+give f and t + r x f to the particle. The plain forms that these equal to the last bit stand in
+tests/damper3d/test_damper_engine_simd.py.
 """
 
 import numpy as np
@@ -20,98 +20,21 @@ from numba import types
 from numba.extending import intrinsic
 
 from damper3d.engine.state import BLOCK, LANES, N_CONSTANTS, N_HISTORY
+from granulab.contact.compiled.rows import (
+    NOTHING,
+    begin_of,
+    data,
+    filled,
+    load,
+    named,
+    row_of,
+    spread,
+    spread_to_three,
+    store,
+    store_columns,
+    transposed,
+)
 from granulab.contact.jit import inlined
-
-_ROW = ir.VectorType(ir.DoubleType(), 4)
-_NUMBER = ir.IntType(64)
-NOTHING = ir.Constant(_ROW, [0.0] * 4)
-_ONES = ir.Constant(_ROW, [1.0] * 4)
-
-
-def _lanes(*numbers):
-    return ir.Constant(ir.VectorType(ir.IntType(32), len(numbers)), list(numbers))
-
-
-def transposed(builder, rows):
-    """Four rows of four as four columns."""
-    a, b, c, d = rows
-    even, odd = _lanes(0, 4, 2, 6), _lanes(1, 5, 3, 7)
-    ab0, ab1 = builder.shuffle_vector(a, b, even), builder.shuffle_vector(a, b, odd)
-    cd0, cd1 = builder.shuffle_vector(c, d, even), builder.shuffle_vector(c, d, odd)
-    low, high = _lanes(0, 1, 4, 5), _lanes(2, 3, 6, 7)
-    return [
-        builder.shuffle_vector(ab0, cd0, low),
-        builder.shuffle_vector(ab1, cd1, low),
-        builder.shuffle_vector(ab0, cd0, high),
-        builder.shuffle_vector(ab1, cd1, high),
-    ]
-
-
-def spread(builder, vector, lane):
-    """A vector with one lane of another in all of its own."""
-    return builder.shuffle_vector(vector, vector, _lanes(*[lane] * 4))
-
-
-def _spread_to_three(builder, vector, lane):
-    """A vector with one lane of another in its first three, and 1 in the last."""
-    return builder.shuffle_vector(vector, _ONES, _lanes(lane, lane, lane, 4))
-
-
-def pointer_to(builder, pointer, number, ahead=0):
-    """The four numbers of an array of doubles from number + ahead on, as a pointer to a vector."""
-    if ahead:
-        number = builder.add(number, ir.Constant(_NUMBER, ahead))
-    return builder.bitcast(builder.gep(pointer, [number]), _ROW.as_pointer())
-
-
-def load(builder, pointer, number, ahead=0):
-    """These four numbers."""
-    return builder.load(pointer_to(builder, pointer, number, ahead), align=8)
-
-
-def store(builder, vector, pointer, number, ahead=0):
-    """Four numbers to there."""
-    builder.store(vector, pointer_to(builder, pointer, number, ahead), align=8)
-
-
-def store_columns(builder, rows, out, k, columns):
-    """Four rows to lanes k ... of columns of a block, as many as are named."""
-    for c, column in zip(columns, transposed(builder, rows), strict=False):
-        store(builder, column, out, k, c * BLOCK)
-
-
-def named(builder, numbers, begin, lane):
-    """Entry begin + lane of an array of uint32, as a number."""
-    n = builder.add(begin, ir.Constant(_NUMBER, lane))
-    return builder.zext(builder.load(builder.gep(numbers, [n])), _NUMBER)
-
-
-def begin_of(builder, number, rows_of_four=1):
-    """Return where a row begins that has so many times four numbers."""
-    return builder.mul(number, ir.Constant(_NUMBER, 4 * rows_of_four))
-
-
-def data(context, builder, signature, arguments):
-    """Pointers to the data of the arrays among the arguments; the numbers as they are."""
-    return [
-        context.make_array(kind)(context, builder, argument).data
-        if isinstance(kind, types.Array)
-        else argument
-        for kind, argument in zip(signature.args, arguments, strict=True)
-    ]
-
-
-def filled(builder, number):
-    """A row that has one number four times."""
-    return spread(builder, row_of(builder, [number]), 0)
-
-
-def row_of(builder, numbers):
-    """A row that begins with these numbers; the others are zero."""
-    made = NOTHING
-    for lane, number in enumerate(numbers):
-        made = builder.insert_element(made, number, ir.Constant(ir.IntType(32), lane))
-    return made
 
 
 def square(builder, row):
@@ -144,7 +67,7 @@ def _separate_four(typingctx, x, i, j, separation, begin, k):
             at_i = begin_of(builder, named(builder, i, first, lane))
             at_j = begin_of(builder, named(builder, j, first, lane))
             rows.append(builder.fsub(load(builder, x, at_j), load(builder, x, at_i)))
-        store_columns(builder, rows, separation, k, range(3))
+        store_columns(builder, rows, separation, k, range(3), BLOCK)
         return context.get_dummy_value()
 
     return signature, generate
@@ -194,12 +117,12 @@ def _gather_four(
             combined[2].append(builder.fadd(turning_i, turning_j))
             combined[3].append(builder.fadd(wi, wj))
         for rows, out in zip(combined, columns, strict=True):
-            store_columns(builder, rows, out, k, range(3))
+            store_columns(builder, rows, out, k, range(3), BLOCK)
         rows = [load(builder, constants, begin_of(builder, n)) for n in numbers]
-        store_columns(builder, rows, own, k, range(N_CONSTANTS))
+        store_columns(builder, rows, own, k, range(N_CONSTANTS), BLOCK)
         for half in range(0, N_HISTORY, 4):
             rows = [load(builder, history, begin_of(builder, n, 2), half) for n in numbers]
-            store_columns(builder, rows, known, k, range(half, half + 4))
+            store_columns(builder, rows, known, k, range(half, half + 4), BLOCK)
         return context.get_dummy_value()
 
     return signature, generate
@@ -290,8 +213,8 @@ def _add_four(
             n = named(builder, touching, first, lane)
             at_i = begin_of(builder, named(builder, i, n, 0))
             at_j = begin_of(builder, named(builder, j, n, 0))
-            turn_i = builder.fmul(_spread_to_three(builder, arms_i, lane), couples[lane])
-            turn_j = builder.fmul(_spread_to_three(builder, arms_j, lane), couples[lane])
+            turn_i = builder.fmul(spread_to_three(builder, arms_i, lane), couples[lane])
+            turn_j = builder.fmul(spread_to_three(builder, arms_j, lane), couples[lane])
             for array, begin_at, change, add in (
                 (force, at_i, pushes[lane], builder.fsub),
                 (force, at_j, pushes[lane], builder.fadd),
@@ -305,21 +228,30 @@ def _add_four(
 
 
 @inlined
-def add_loads(spheres, to_i, to_j, touching, begin, n_contacts, block):
+def add_loads(spheres, to_i, to_j, touching, begin, n_contacts, block, sums):
     """Add the forces of a block, and their torques about the centres, to rows to_i and to_j.
 
     Those of its spheres i and j, or where several threads share a step some that nobody reads. In
     the order of the list. The force push acts on j and its opposite on i, at the distances arm_i
     and arm_j from the centres; couple is normal x push. What each dissipates is taken off the
     fourth number of its torque.
+    Returns what the contacts dissipate by mechanism, sums (5,) in the order of the list which go on
+    with those before: here they take no time, while the processor waits for rows.
     """
     force, torque = spheres.force, spheres.torque
+    normal, tangential, friction_work, stiffness_work, slipped = sums
     fours = n_contacts - n_contacts % 4
     for k in range(np.int64(0), fours, 4):
         _add_four(
             force, torque, to_i, to_j, touching, block.push, block.couple, block.lost,
             block.arm_i, block.arm_j, begin, k,
         )  # fmt: skip
+        for m in range(np.uintp(k), np.uintp(k + 4)):
+            normal += block.normal_power[m]
+            tangential += block.tangential_power[m]
+            friction_work += block.friction_work[m]
+            stiffness_work += block.stiffness_work[m]
+            slipped += block.slip_power[m]
     for k in range(fours, n_contacts):
         n = touching[begin + k]
         i, j = to_i[n], to_j[n]
@@ -330,6 +262,12 @@ def add_loads(spheres, to_i, to_j, touching, begin, n_contacts, block):
             torque[j, c] -= block.arm_j[k] * block.couple[c * BLOCK + k]
         torque[i, 3] -= block.lost[k]
         torque[j, 3] -= block.lost[k]
+        normal += block.normal_power[k]
+        tangential += block.tangential_power[k]
+        friction_work += block.friction_work[k]
+        stiffness_work += block.stiffness_work[k]
+        slipped += block.slip_power[k]
+    return normal, tangential, friction_work, stiffness_work, slipped
 
 
 _LAST = ir.Constant(ir.IntType(32), 3)

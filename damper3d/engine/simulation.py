@@ -22,7 +22,7 @@ from damper3d.engine.state import (
 )
 from damper3d.engine.walls import put_back
 from damper3d.engine.world import kind_of, lengthened
-from granulab.contact.compiled.threads import Crew
+from granulab.contact.compiled.threads import Crew, crew_of
 from granulab.errors import SimulationError
 
 _AT_A_TIME = 5_000_000  # spheres times steps of a call of the kernels: some tenths of a second
@@ -130,11 +130,11 @@ class Simulation:
         Not more than the bed has parts, and one where something in it keeps the others out
         (shared.steps.one_thread_only).
         """
-        n_threads = min(n_threads, len(self.world.parts) - 1, state.UNREAD // 2)
+        n_threads = min(n_threads, state.most_threads(self.world.parts))
         if one_thread_only(self.world):
             n_threads = 1
-        self._crew, self._shared = Crew(n_threads) if n_threads > 1 else None, None
-        return n_threads
+        self._crew, self._shared = crew_of(n_threads), None
+        return self.n_threads
 
     @property
     def n_threads(self) -> int:
@@ -224,7 +224,8 @@ class Simulation:
     def refresh(self) -> None:
         """Make stale lists again now."""
         while self.world.counts[[state.STALE_INNER, state.STALE_WALL]].any():
-            self._shared = None  # which knows its own lists alone
+            if self._shared:
+                self._shared.give_up_lists()
             outcome = search(self.world, self._shift())
             if outcome != DONE:
                 self.answer(outcome)
@@ -363,7 +364,8 @@ class Simulation:
     def restore(self, saved: dict[str, np.ndarray]) -> None:
         """Put back what `save` gave."""
         self._restore_particles(saved)
-        self._shared = None  # which knows its own lists alone
+        if self._shared:
+            self._shared.give_up_lists()
         self.world.counts[:] = 0
         self._restore_pairs(saved["pairs"], saved["springs"].T, saved.get("rolled"))
         world = self.world

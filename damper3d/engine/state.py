@@ -4,7 +4,7 @@ What moves is a particle, what touches is a sphere: sphere s of particle b has t
 spheres a particle. The type of World.shape says which particles they are: spheres, each its own
 centre (spheres/), or multi-sphere particles, all alike, that rotate (multisphere/). Vectors stand
 in rows of four numbers; the fourth of a position is the radius, so that one load brings all, that
-of others stays zero.
+of others stays zero, but for a torque's: minus the heat of this step.
 
 Particles that follow one another are a part, and the pairs whose first particle is in it are the
 part's. What is summed over all pairs is summed by parts: the sums are the same to the last bit
@@ -86,6 +86,11 @@ def no_history(*shape: int) -> np.ndarray:
     return history
 
 
+def most_threads(parts: np.ndarray) -> int:
+    """Return how many threads can share a bed whose parts have these bounds."""
+    return min(len(parts) - 1, UNREAD // 2)
+
+
 class Spheres(NamedTuple):
     """The spheres of the particles, all that a contact needs to know and gives back.
 
@@ -96,7 +101,9 @@ class Spheres(NamedTuple):
     velocity: np.ndarray  # of the centre, extrapolated to the time of the position [m/s]
     angular_velocity: np.ndarray  # of the particle, likewise [rad/s]
     force: np.ndarray  # [N]; with UNREAD rows more, which take what nobody shall read
-    torque: np.ndarray  # about the sphere's centre [N m], less of heat in this step [J]; likewise
+    torque: (
+        np.ndarray
+    )  # about the sphere's centre [N m], and minus its heat of this step [J]; likewise
     inverse_mass: np.ndarray  # (m,) of the particle [1/kg]
 
 
@@ -123,7 +130,7 @@ class Contacts(NamedTuple):
     whole: np.ndarray  # (capacity, 2) Hertz constant and mass of a contact that shares with others
     history: np.ndarray  # (capacity, N_HISTORY)
     rolling: Any  # (capacity, N_ROLLING), or None where nothing resists rolling
-    touching: np.ndarray  # (capacity,) uint32, those of them that touch or did a step ago
+    touching: np.ndarray  # (capacity,) uint32, those of them that act, and maybe others
     feature: np.ndarray  # (capacity,) uint32, feature of a triangulated wall, see enclosures.cavity
 
 
@@ -187,7 +194,8 @@ class Block(NamedTuple):
     slip_power: np.ndarray  # friction force times the whole sliding velocity [W]
     lost: np.ndarray  # half of what is dissipated in this step [J]
     impact_speed: np.ndarray  # speed of an impact that begins in this step [m/s], else 0
-    totals: np.ndarray  # (N_MECHANISMS BLOCK,) sums of the five above over blocks, lane by lane
+    totals: np.ndarray  # (N_MECHANISMS,) sums of powers and works over blocks, see laws.balance
+    own_totals: np.ndarray  # (N_MECHANISMS,) what laws add to them: rolling, necks that tear
 
 
 class Cells(NamedTuple):

@@ -300,8 +300,10 @@ def block() -> Block:
         "couple",
     )
     rows = dict.fromkeys(vectors, 3) | dict.fromkeys(("history", "next_history"), state.N_HISTORY)
-    rows |= {"constants": state.N_CONSTANTS, "totals": state.N_MECHANISMS}
-    return Block(**{name: zeros(rows.get(name, 1) * state.BLOCK) for name in Block._fields})
+    rows["constants"] = state.N_CONSTANTS
+    made = {name: zeros(rows.get(name, 1) * state.BLOCK) for name in Block._fields}
+    sums = {name: zeros(state.N_MECHANISMS) for name in ("totals", "own_totals")}
+    return Block(**made | sums)
 
 
 def empty_contacts(capacity: int, rolling: bool = False) -> Contacts:

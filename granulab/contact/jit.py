@@ -222,7 +222,11 @@ def inlined(function):
 
 
 def inner(function):
-    """uncounted, for a function that only kernels call: without a way into it from Python."""
+    """uncounted, for a function that only kernels call: without a way into it from Python.
+
+    Python that calls it jumps to nowhere, as it has no machine code of its own (see
+    compiled/linked.py); it may not print, nor raise what it did not make beforehand.
+    """
     return njit(function, **_UNCOUNTED, **_INNER)
 
 

@@ -14,20 +14,18 @@ from granulab.contact.jit import inner, uncounted
 from granulab.contact.laws import normal_force, tangential_damping, tangential_force
 from silo2d.engine.geometry import cross, point_velocity, rotated, to_edge
 from silo2d.engine.pair_law import law_of
+from silo2d.engine.simd import add_loads
 from silo2d.engine.state import (
     BLOCK,
     CARRIED_OUT,
     COS,
     FRICTION,
-    FX,
-    FY,
     NORMAL_DAMPING,
     OMEGA,
     PARTICLE_PARTICLE,
     PARTICLE_WALL,
     SIN,
     TANGENTIAL_DAMPING,
-    TORQUE,
     UOMEGA,
     UX,
     UY,
@@ -59,7 +57,7 @@ def apply_class(world, law, first_pair, account, dt):
         for begin in range(first_pair[part], last, BLOCK):
             n = min(last - begin, BLOCK)
             contact_forces(world.bodies.row, world.inner, world.forces, law, begin, n, dt)
-            sums = add_to_bodies(world.bodies.row, world.inner, world.forces, begin, n, sums)
+            sums = add_loads(world.bodies.row, world.inner, world.forces, begin, n, sums)
         total = added(total, sums)
     add_to_account(account, total, dt)
 
@@ -157,25 +155,3 @@ def note_overlapping(row, inner, n_pairs, found):
             found[n_found] = n
             n_found += 1
     return n_found
-
-
-@inner
-def add_to_bodies(row, inner, forces, begin, n_pairs, sums):
-    """Add the forces of a block to its bodies, and what they dissipate to the sums, returned.
-
-    sums: normal and tangential damping [W], friction [J].
-    """
-    normal, tangential, lost = sums
-    for k in range(np.uintp(n_pairs)):
-        n = np.uintp(begin) + k
-        j, i = inner.vertex_body[n], inner.edge_body[n]
-        row[j, FX] += forces.fx[k]
-        row[j, FY] += forces.fy[k]
-        row[j, TORQUE] += forces.torque_j[k]
-        row[i, FX] -= forces.fx[k]
-        row[i, FY] -= forces.fy[k]
-        row[i, TORQUE] += forces.torque_i[k]
-        normal += forces.normal_power[k]
-        tangential += forces.tangential_power[k]
-        lost += forces.lost[k]
-    return normal, tangential, lost

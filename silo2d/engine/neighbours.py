@@ -16,9 +16,9 @@ whatever the skins.
 import numpy as np
 
 from granulab.contact.jit import inner, uncounted
+from silo2d.engine.beds.door import set_door_skins, update_door
 from silo2d.engine.beds.vibration import place_walls
 from silo2d.engine.cells import find_bodies, note_positions
-from silo2d.engine.door import set_door_skins, update_door
 from silo2d.engine.geometry import rotated
 from silo2d.engine.lists import (
     carry_over,

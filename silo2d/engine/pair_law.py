@@ -176,8 +176,6 @@ def _of_outer(law, c):
 
 def draw_outer(particle_law, wall_law, outer, counts, n_bodies):
     """Give each pair of the outer list the constants that it draws, where it draws any."""
-    if isinstance(particle_law, DrawnLaw):
-        draw_for_outer(particle_law, wall_law, outer, counts, n_bodies)
 
 
 @overload(draw_outer)
@@ -191,8 +189,6 @@ def _draw_outer(particle_law, wall_law, outer, counts, n_bodies):
 
 def copy_constants(law, inner, counts):
     """Give each pair of the inner list the constants of the outer list, where it has its own."""
-    if isinstance(law, DrawnLaw):
-        copy_to_inner(law, inner, counts)
 
 
 @overload(copy_constants)

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from granulab.contact.compiled.threads import Crew
+from granulab.contact.compiled.threads import Crew, crew_of
 from granulab.contact.jit import uncounted
 from granulab.errors import SimulationError
 from silo2d.engine import state
+from silo2d.engine.beds.door import move_walls, take_loads
 from silo2d.engine.beds.plates import Plates, rub_plates
 from silo2d.engine.beds.vibration import Vibration
-from silo2d.engine.door import move_walls, take_loads
 from silo2d.engine.forces import apply_forces, note_overlapping
 from silo2d.engine.integrate import energy_of_contacts, kinetic_energy, move
 from silo2d.engine.neighbours import search
@@ -148,8 +148,8 @@ class Simulation:
         a particle, summed over all its contacts.
         """
         n_threads = min(n_threads, len(self.world.parts) - 1)
-        self._crew, self._shared = Crew(n_threads) if n_threads > 1 else None, None
-        return n_threads
+        self._crew, self._shared = crew_of(n_threads), None
+        return n_threads if self._crew else 1
 
     def _advance(self, n_steps: int) -> tuple[int, int]:
         """Take steps, by as many threads as share them; see advance."""
@@ -162,7 +162,8 @@ class Simulation:
     def refresh(self) -> None:
         """Make stale lists again now."""
         while self.world.counts[state.STALE] > 0:
-            self._shared = None  # which knows its own lists alone
+            if self._shared:
+                self._shared.give_up_lists()
             outcome = search(self.world)
             if outcome != DONE:
                 self._resolve(outcome)

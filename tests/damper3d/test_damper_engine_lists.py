@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from damper_beds import DOWN, LARGEST, NOWHERE, acrylic, bed, lone
+from damper_beds import DOWN, LARGEST, NOWHERE, STILL, acrylic, bed, lone
 
 from damper3d.engine import state
 from damper3d.engine.motions import Sines
@@ -68,6 +68,25 @@ def test_no_bit_depends_on_the_skin(shape, pairs, walls):
     digest, books = undisturbed(shape, STEPS)
     assert sim.state_digest() == digest
     assert np.array_equal(sim.world.balance, books)
+
+
+@pytest.mark.parametrize("pairs", [0.002, 0.03])
+def test_no_bit_of_a_packed_bed_depends_on_the_skin(pairs):
+    """Where most pairs of the list touch, those that do not are not looked for."""
+    settled = bed(shaker=STILL, speed=0.0, smallest=1.0)
+    settled.step(200_000)
+    saved, sims = settled.save(), [bed(shaker=STILL) for _ in range(2)]
+    for sim in sims:
+        sim.restore(saved)
+    for _ in range(40):
+        sims[0].world.lengths[state.INNER_SKIN] = pairs * LARGEST
+        sims[0].world.counts[state.STALE_INNER] = 1
+        for sim in sims:
+            sim.step(50)
+    assert sims[1].world.packed.all()
+    assert sims[0].state_digest() == sims[1].state_digest()
+    assert np.array_equal(sims[0].world.balance, sims[1].world.balance)
+    assert sims[1].world.balance.any()
 
 
 def test_no_bit_depends_on_samples_or_on_who_looks():

@@ -22,6 +22,7 @@ from granulab.contact.jit import njit
 
 SPHERES = 9
 BEGIN = 5  # in what is gone through, so that a place in the block is not one in the list
+LOST = ("normal_power", "tangential_power", "friction_work", "stiffness_work", "slip_power")
 LISTED = 2 * (BEGIN + BLOCK) + 3  # contacts, of which every other one is named as touching
 
 
@@ -44,7 +45,7 @@ def scene(seed, same=None):
     contacts.constants[:] = rng.normal(size=contacts.constants.shape)
     contacts.history[:] = rng.normal(size=contacts.history.shape)
     contacts.touching[: BEGIN + BLOCK] = 1 + 2 * np.arange(BEGIN + BLOCK)
-    for name in ("push", "couple", "lost", "arm_i", "arm_j", "next_history"):
+    for name in ("push", "couple", "lost", "arm_i", "arm_j", "next_history", *LOST):
         getattr(block, name)[:] = rng.uniform(0.1, 1.0, len(getattr(block, name)))
     return spheres, contacts, block
 
@@ -121,9 +122,12 @@ def test_lanes_to_rows(n, same):
         torque[i, :3] -= block.arm_i[k] * couple[k]
         torque[j, :3] -= block.arm_j[k] * couple[k]
         torque[[i, j], 3] -= block.lost[k]
-    add_loads(spheres, contacts.i, contacts.j, contacts.touching, BEGIN, n, block)
+    before = 1.0, 2.0, 3.0, 4.0, 5.0
+    sums = add_loads(spheres, contacts.i, contacts.j, contacts.touching, BEGIN, n, block, before)
     assert np.array_equal(spheres.force, force)
     assert np.array_equal(spheres.torque, torque)
+    for name, first, found in zip(LOST, before, sums, strict=True):
+        assert found == sum(getattr(block, name)[:n].tolist(), first), name
 
 
 @pytest.mark.parametrize("n", [*LENGTHS, LISTED])

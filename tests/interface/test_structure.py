@@ -2,6 +2,7 @@
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,9 @@ PACKAGES = ("granulab", "silo2d", "damper3d", "calibration")
 MOST_MODULES = 12  # in a folder
 MOST_LINES = 60  # of a function
 QUESTIONS = ("What", "Which", "How", "Whether", "Who", "Where", "When", "Why")
+INNER = {"inner", "inlined_inner"}  # decorators of what has no machine code of its own
+KERNEL = {*INNER, "njit", "uncounted", "inlined", "specialised", "substituted", "overload",
+          "intrinsic"}  # fmt: skip
 FLOORS = ("case", "commands", "engine", "measures", "reproduce", "run", "view")
 ENGINE = ("forces", "geometry", "integrate", "simulation", "state", "world")
 
@@ -53,6 +57,49 @@ def test_docstrings_begin_with_a_noun_or_a_verb(trees):
         and (words := ast.get_docstring(node) or "").split(" ")[0] in QUESTIONS
     ]
     assert questions == []
+
+
+def decorated(function: ast.FunctionDef, by: set[str]) -> bool:
+    """Tell whether a function is decorated by one of some names."""
+    found = [one.func if isinstance(one, ast.Call) else one for one in function.decorator_list]
+    return any(getattr(one, "id", getattr(one, "attr", None)) in by for one in found)
+
+
+@cache
+def inner_functions(path: Path) -> set[str]:
+    """Names of a module's functions that only kernels call."""
+    functions = [n for n in ast.parse(path.read_text()).body if isinstance(n, ast.FunctionDef)]
+    return {function.name for function in functions if decorated(function, INNER)}
+
+
+def known_inner(path: Path, tree: ast.Module) -> set[str]:
+    """Names that stand for such functions in a module: its own, and what it imports."""
+    known = inner_functions(path)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom):
+            source = ROOT / f"{(node.module or '').replace('.', '/')}.py"
+            theirs = inner_functions(source) if source.exists() else set()
+            known |= {one.asname or one.name for one in node.names if one.name in theirs}
+    return known
+
+
+def called_by_python(node: ast.AST) -> Iterator[str]:
+    """Names of functions that are called outside kernels, but for their .py_func."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.FunctionDef) and decorated(child, KERNEL):
+            continue
+        if isinstance(child, ast.Call) and isinstance(child.func, ast.Name):
+            yield child.func.id
+        yield from called_by_python(child)
+
+
+def test_python_calls_nothing_that_only_kernels_call():
+    """It would jump to nowhere."""
+    assert "push_pairs" in inner_functions(ROOT / "damper3d/engine/forces.py")
+    paths = [*modules(), *(ROOT / "tests").rglob("*.py"), *(ROOT / "benchmarks").rglob("*.py")]
+    for path in paths:
+        tree = ast.parse(path.read_text())
+        assert not known_inner(path, tree) & set(called_by_python(tree)), path
 
 
 @pytest.mark.parametrize("package", ["silo2d", "damper3d"])

@@ -1,15 +1,13 @@
 """Energy that contacts dissipate, by mechanism and by sphere.
 
-Each contact gives half of its loss to each of its spheres, with its torques (simd.add_loads). The
-sums by mechanism run lane by lane over the blocks of a part, so that they are vectorised, and the
-lanes are added up at its end: an order that the number of threads does not change.
+Each contact gives half of its loss to each of its spheres, with its torques. The sums by mechanism
+go in the order of the list (simd.add_loads), to which contacts that do not touch add exact zeros:
+so no bit of them depends on when a list was made, or on the number of threads.
 """
 
 import numpy as np
 
-from damper3d.engine.geometry import entry
 from damper3d.engine.state import (
-    BLOCK,
     FRICTION,
     LAW_TERM,
     N_MECHANISMS,
@@ -19,42 +17,31 @@ from damper3d.engine.state import (
 )
 from granulab.contact.jit import inlined_inner, inner
 
-NOTHING = 0.0, 0.0, 0.0, 0.0, 0.0  # sums by mechanism, see take_totals
+NO_LOSS = 0.0, 0.0, 0.0, 0.0, 0.0  # sums by mechanism: of powers [W], but for friction's work [J]
 
 
 @inlined_inner
-def add_dissipated(n_contacts, block):
-    """Add what the contacts of a block dissipate to the totals by mechanism, lane by lane.
-
-    They are exact zeros where nothing touches.
-    """
+def totals_so_far(block):
+    """Sums by mechanism, of the blocks since they were taken."""
     totals = block.totals
-    for k in range(np.uintp(n_contacts)):
-        totals[entry(NORMAL_DAMPING, k)] += block.normal_power[k]
-        totals[entry(TANGENTIAL_DAMPING, k)] += block.tangential_power[k]
-        totals[entry(FRICTION, k)] += block.friction_work[k]
-        totals[entry(LAW_TERM, k)] += block.stiffness_work[k]
-        totals[entry(SLIP_COUNT, k)] += block.slip_power[k]
+    return totals[0], totals[1], totals[2], totals[3], totals[4]
 
 
 @inlined_inner
-def take_totals(block, n_contacts):
-    """Sum the totals of the lanes, and wipe them: normal, tangential, friction, law term, slip.
+def note_totals(block, sums):
+    """Let the sums be those."""
+    for c in range(np.uintp(N_MECHANISMS)):
+        block.totals[c] = sums[c]
 
-    n_contacts: how many there were at most in a row, so that only so many lanes are not 0.
-    """
-    normal, tangential, friction_work, stiffness_work, slipped = NOTHING
-    lanes = np.uintp(min(n_contacts, BLOCK))
-    for k in range(lanes):
-        normal += block.totals[entry(NORMAL_DAMPING, k)]
-        tangential += block.totals[entry(TANGENTIAL_DAMPING, k)]
-        friction_work += block.totals[entry(FRICTION, k)]
-        stiffness_work += block.totals[entry(LAW_TERM, k)]
-        slipped += block.totals[entry(SLIP_COUNT, k)]
-    for c in range(N_MECHANISMS):
-        for k in range(lanes):
-            block.totals[entry(c, k)] = 0.0
-    return normal, tangential, friction_work, stiffness_work, slipped
+
+@inlined_inner
+def take_totals(block):
+    """Sums by mechanism, with what laws added to those of their own; wipes both."""
+    own = block.own_totals
+    sums = added(totals_so_far(block), (own[0], own[1], own[2], own[3], own[4]))
+    for c in range(np.uintp(N_MECHANISMS)):
+        block.totals[c] = block.own_totals[c] = 0.0
+    return sums
 
 
 @inlined_inner

@@ -91,7 +91,7 @@ def nothing_rolls(contacts):
 
 @inner
 def _roll_block(law, spheres, contacts, begin, n_contacts, block, dt):
-    totals = block.totals
+    totals = block.own_totals
     rows, torque, last = contacts.rolling, spheres.torque, len(spheres.inverse_mass)
     for k in range(np.uintp(n_contacts)):
         n = contacts.touching[np.uintp(begin) + k]
@@ -116,9 +116,9 @@ def _roll_block(law, spheres, contacts, begin, n_contacts, block, dt):
         lost = 0.5 * (power * dt + work)
         torque[i, 3] -= lost
         torque[j, 3] -= lost
-        totals[entry(TANGENTIAL_DAMPING, k)] += power
-        totals[entry(FRICTION, k)] += work
-        totals[entry(SLIP_COUNT, k)] += slides * dot(force, rate)
+        totals[TANGENTIAL_DAMPING] += power
+        totals[FRICTION] += work
+        totals[SLIP_COUNT] += slides * dot(force, rate)
 
 
 @specialised(rolling_energy)

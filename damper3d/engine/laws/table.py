@@ -341,4 +341,4 @@ def _tear_necks(law, spheres, contacts, begin, n_contacts, block, dt):
             n = contacts.touching[np.uintp(begin) + k]
             spheres.torque[contacts.i[n], 3] -= 0.5 * torn
             spheres.torque[contacts.j[n], 3] -= 0.5 * torn
-            block.totals[entry(NORMAL_DAMPING, k)] += torn / dt
+            block.own_totals[NORMAL_DAMPING] += torn / dt

@@ -13,10 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from damper3d.engine.geometry import entry, vector
-from damper3d.engine.laws.balance import add_dissipated
+from damper3d.engine.geometry import vector
+from damper3d.engine.laws.balance import NO_LOSS, note_totals, totals_so_far
 from damper3d.engine.simd import add_loads
-from damper3d.engine.state import BLOCK, N_MECHANISMS, zeros
+from damper3d.engine.state import N_MECHANISMS, zeros
 from granulab.contact.jit import inlined_inner, inner
 from granulab.contact.vectors import scale
 
@@ -89,9 +89,9 @@ def keep_results(world, contacts, begin, n_contacts, which):
 @inlined_inner
 def _of_pairs(world, contacts, begin, n_contacts):
     results, block = world.results, world.block
-    to_i, to_j = results.to_i, results.to_j
-    add_loads(world.spheres, to_i, to_j, contacts.touching, begin, n_contacts, block)
-    add_dissipated(n_contacts, block)
+    to_i, to_j, sums = results.to_i, results.to_j, totals_so_far(block)
+    sums = add_loads(world.spheres, to_i, to_j, contacts.touching, begin, n_contacts, block, sums)
+    note_totals(block, sums)
     for k in range(np.uintp(n_contacts)):
         n = contacts.touching[np.uintp(begin) + k]
         if to_i[n] != contacts.i[n] or to_j[n] != contacts.j[n]:
@@ -125,7 +125,8 @@ def _of_walls(world, contacts, begin, n_contacts):
     """Add the loads of contacts with a wall to the spheres, and keep them for the enclosure."""
     results, block = world.results, world.block
     kept, touching = results.walls, contacts.touching
-    add_loads(world.spheres, contacts.i, results.of_wall, touching, begin, n_contacts, block)
+    to_wall = results.of_wall
+    add_loads(world.spheres, contacts.i, to_wall, touching, begin, n_contacts, block, NO_LOSS)
     for k in range(np.uintp(n_contacts)):
         row = np.uintp(begin) + k
         _keep_load(kept, row, touching[row], block, k)
@@ -176,14 +177,10 @@ def _add_to_second(spheres, kept, row, j):
 
 
 @inlined_inner
-def push_enclosure(world, first, end, before):
-    """Add the loads of contacts with a wall to the enclosure, and to the totals.
-
-    before: how many of the wall's contacts came before, of other threads.
-    """
+def push_enclosure(world, first, end):
+    """Add the loads of contacts with a wall to the enclosure, and to the totals."""
     kept, last, totals = world.results.walls, len(world.spheres.inverse_mass), world.block.totals
     for row in range(first, end):
         _add_to_second(world.spheres, kept, row, last)
-        lane = np.uintp((before + row - first) % BLOCK)
         for c in range(N_MECHANISMS):
-            totals[entry(c, lane)] += kept.powers[row, c]
+            totals[c] += kept.powers[row, c]

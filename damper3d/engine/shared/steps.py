@@ -19,7 +19,7 @@ from damper3d.engine.forces import (
 from damper3d.engine.geometry import copy
 from damper3d.engine.integrate import enclosure_at, force_so_far, ride, search
 from damper3d.engine.kinds import first_sphere, measure_gaps, move
-from damper3d.engine.laws.balance import NOTHING, add_to_balance, added, take_totals
+from damper3d.engine.laws.balance import NO_LOSS, add_to_balance, added, take_totals
 from damper3d.engine.laws.cohesion import Jkr
 from damper3d.engine.laws.table import LawTable, face_wall
 from damper3d.engine.motions import Turning
@@ -98,6 +98,8 @@ def advance_shared(world, team, thread, n_steps, arrived):
     """
     n_threads = len(team.impacts)
     taken, outcome = np.int64(0), np.int64(DONE)
+    if n_steps == 0:  # to compile, by one thread
+        return taken, outcome, arrived
     shift, speed = _enclosure_now(world)
     while taken < n_steps:
         if world.counts[STALE_INNER] or world.counts[STALE_WALL]:
@@ -321,22 +323,18 @@ def _push_enclosure(world, team):
 
     And what pairs and walls dissipate.
     """
-    sums, before = NOTHING, force_so_far(world)
+    sums, before = NO_LOSS, force_so_far(world)
     for part in range(len(team.sums)):
         own = team.sums[part]
         sums = added(sums, (own[0], own[1], own[2], own[3], own[4]))
     add_to_balance(world.balance, 0, sums, world.time_step)
-    most = np.int64(0)
     for w in range(len(world.walls.force)):
-        n = np.int64(0)
         for thread in range(len(team.impacts)):
             first, end = team.wall_first[w, thread], team.wall_end[thread, w]
-            push_enclosure(world, first, end, n)
-            n += end - first
-        most = max(most, n)
+            push_enclosure(world, first, end)
         power = take_push(world, world.walls.force[w])
         world.balance[WALL_WORK] -= world.time_step * power
-    add_to_balance(world.balance, N_MECHANISMS, take_totals(world.block, most), world.time_step)
+    add_to_balance(world.balance, N_MECHANISMS, take_totals(world.block), world.time_step)
     ride(world, before)
 
 
@@ -411,6 +409,7 @@ class SharedSteps:
         kept = room_for(capacity, 0), room_for(at_walls, at_walls)
         self._worlds = [self._world_of(thread, *kept) for thread in range(n)]
         self._shared_out = False  # the contacts of the lists that there are
+        self._steps_compiled = False
 
     def _world_of(self, thread: int, pairs: Loads, walls: Loads) -> World:
         """The world as a thread sees it: what it writes for itself is its own."""
@@ -449,7 +448,14 @@ class SharedSteps:
 
     def step(self, n_steps: int) -> tuple[int, int]:
         """See integrate.advance."""
+        if not self._steps_compiled:  # in the caller's thread, which hears Ctrl-C
+            advance_shared(self._worlds[0], self._team, 0, 0, 0)
+            self._steps_compiled = True
         return self._run(advance_shared, (n_steps, 0))[:2]
+
+    def give_up_lists(self) -> None:
+        """Share out anew: the lists that there are were made without the threads."""
+        self._shared_out = False
 
     def _run(self, kernel: Any, arguments: tuple[Any, ...]) -> Any:
         """Call a kernel in each thread.

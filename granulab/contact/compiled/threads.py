@@ -12,7 +12,7 @@ order that does not depend on how many threads there are.
 import platform
 import sys
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from concurrent.futures import wait as settled
 from threading import Barrier
 from typing import Any
@@ -123,11 +123,13 @@ class Crew:
 
         The kernel must be compiled.
         """
-        first = self._pool.submit(self._lead, kernel, arguments)
+        first: Future[Any] | None = None
         try:
+            first = self._pool.submit(self._lead, kernel, arguments)
             return first.result()
         finally:
-            settled([first])
+            if first is not None:
+                settled([first])
 
     def _lead(self, kernel: Callable[..., Any], arguments: Sequence[tuple[Any, ...]]) -> Any:
         others = [self._pool.submit(kernel, *own) for own in arguments[1:]]
@@ -135,3 +137,14 @@ class Crew:
         for other in others:
             other.result()
         return first
+
+
+def crew_of(n_threads: int) -> Crew | None:
+    """A crew of so many threads; None of one, or where the machine does not let as many begin."""
+    if n_threads < 2:
+        return None
+    try:
+        return Crew(n_threads)
+    except RuntimeError:
+        print("warning: no more threads can begin here: one takes all steps", file=sys.stderr)
+        return None

@@ -16,7 +16,7 @@ import numpy as np
 
 from granulab.contact.compiled.threads import Crew, clock, rows_apart, wait
 from granulab.contact.jit import inlined, inner, uncounted
-from silo2d.engine.door import move_walls, take_loads
+from silo2d.engine.beds.door import move_walls, take_loads
 from silo2d.engine.forces import add_to_account, added, contact_forces
 from silo2d.engine.integrate import end_step, move_live
 from silo2d.engine.lists import measure_distances
@@ -244,3 +244,7 @@ class SharedSteps:
         taken, outcome = self._crew.run(advance_shared, arguments)
         self._shared_out = True
         return taken, outcome
+
+    def give_up_lists(self) -> None:
+        """Share out anew: the lists that there are were made without the threads."""
+        self._shared_out = False
