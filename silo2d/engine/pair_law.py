@@ -102,7 +102,7 @@ def draw_pairs(law, pairs, n_particles, constants):
         constants[p, 0], constants[p, 1], constants[p, 2], constants[p, 3] = kn, kt, mu, gamma_n
 
 
-@inner
+@uncounted
 def draw_for_outer(particle_law, wall_law, outer, counts, n_bodies):
     """Constants of all outer pairs, from their keys: one draw for each pair of bodies."""
     of = particle_law.outer
@@ -122,7 +122,7 @@ def draw_for_outer(particle_law, wall_law, outer, counts, n_bodies):
         of.kn[c], of.kt[c], of.mu[c], of.gamma_n[c] = values
 
 
-@inner
+@uncounted
 def copy_to_inner(law, inner, counts):
     """Constants of the inner pairs, from the outer list."""
     outer, of = law.outer, law.inner
@@ -176,6 +176,8 @@ def _of_outer(law, c):
 
 def draw_outer(particle_law, wall_law, outer, counts, n_bodies):
     """Give each pair of the outer list the constants that it draws, where it draws any."""
+    if isinstance(particle_law, DrawnLaw):
+        draw_for_outer(particle_law, wall_law, outer, counts, n_bodies)
 
 
 @overload(draw_outer)
@@ -189,6 +191,8 @@ def _draw_outer(particle_law, wall_law, outer, counts, n_bodies):
 
 def copy_constants(law, inner, counts):
     """Give each pair of the inner list the constants of the outer list, where it has its own."""
+    if isinstance(law, DrawnLaw):
+        copy_to_inner(law, inner, counts)
 
 
 @overload(copy_constants)

@@ -8,13 +8,14 @@ tests/silo2d/test_engine_simd.py.
 """
 
 import numpy as np
-from numba import types
+from numba import config, types
 from numba.extending import intrinsic
 
 from granulab.contact.compiled.rows import NOTHING, begin_of, data, load, named, store, transposed
 from granulab.contact.jit import uncounted
 from silo2d.engine.state import FX, FY, TORQUE
 
+_PLAIN = bool(config.DISABLE_JIT)  # kernels as Python: it has no such vectors
 _ROW = 4  # fours of numbers in a body's row; the one from FX on ends with 1/mass, which stays
 
 
@@ -51,7 +52,7 @@ def add_loads(row, inner, forces, begin, n_pairs, sums):
     damping [W], friction [J].
     """
     normal, tangential, lost = sums
-    fours = n_pairs - n_pairs % 4
+    fours = 0 if _PLAIN else n_pairs - n_pairs % 4
     for k in range(np.int64(0), fours, 4):
         _add_four(
             row, inner.vertex_body, inner.edge_body, forces.fx, forces.fy, forces.torque_j,

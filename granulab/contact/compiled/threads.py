@@ -113,10 +113,10 @@ class Crew:
         try:
             for _ in range(n_threads):
                 self._pool.submit(together.wait)
-        except RuntimeError:
+            together.wait()
+        except BaseException:  # Ctrl-C too: no thread waits for ever
             together.abort()
             raise
-        together.wait()
 
     def run(self, kernel: Callable[..., Any], arguments: Sequence[tuple[Any, ...]]) -> Any:
         """Call a kernel with the arguments of each thread at once; what the first one returns.
