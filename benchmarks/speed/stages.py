@@ -66,7 +66,7 @@ STEPS = {
             "geometry": ["between_spheres", "with_wall", "note_laws"],
             "law": ["contact_law", "begin_contacts"],
             "history": ["keep_history"],
-            "scatter, sums": ["add_loads"],
+            "scatter, sums": ["add_and_sum"],
             "energy": ["roll", "tear", "take_totals", "take_push"],
             "integrate": ["move", "drive_walls"],
             "samples": ["sample"],

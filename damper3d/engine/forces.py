@@ -16,18 +16,17 @@ from damper3d.engine.geometry import between_spheres, entry, put, vector
 from damper3d.engine.kinds import alone, find_at_wall, find_pairs
 from damper3d.engine.laws.balance import (
     NO_LOSS,
+    add_and_sum,
     add_to_balance,
     added,
-    note_totals,
     take_heat,
     take_totals,
-    totals_so_far,
 )
 from damper3d.engine.laws.rolling import roll
 from damper3d.engine.laws.table import face_wall, halo, law_of, normal_force, note_laws, tear
 from damper3d.engine.motions.turning import count_turning, turn_wall
 from damper3d.engine.shared.results import keep_results
-from damper3d.engine.simd import add_loads, gather, keep_history, whole
+from damper3d.engine.simd import gather, keep_history, whole
 from damper3d.engine.state import (
     BEGUN,
     BEYOND,
@@ -180,9 +179,8 @@ def _hand_on(world, law, contacts, begin, n_contacts, which):
 def add_at_once(world, law, contacts, begin, n_contacts):
     """Add the forces of a block, and what its contacts lose, to their spheres."""
     spheres, block, dt = world.spheres, world.block, world.time_step
-    sums, touching = totals_so_far(block), contacts.touching
-    sums = add_loads(spheres, contacts.i, contacts.j, touching, begin, n_contacts, block, sums)
-    note_totals(block, sums)
+    touching = contacts.touching
+    add_and_sum(spheres, contacts.i, contacts.j, touching, begin, n_contacts, block)
     roll(law, spheres, contacts, begin, n_contacts, block, dt)
     tear(law, spheres, contacts, begin, n_contacts, block, dt)
 

@@ -7,6 +7,7 @@ so no bit of them depends on when a list was made, or on the number of threads.
 
 import numpy as np
 
+from damper3d.engine.simd import add_loads
 from damper3d.engine.state import (
     FRICTION,
     LAW_TERM,
@@ -28,8 +29,10 @@ def totals_so_far(block):
 
 
 @inlined_inner
-def note_totals(block, sums):
-    """Let the sums be those."""
+def add_and_sum(spheres, to_i, to_j, touching, begin, n_contacts, block):
+    """Add the loads of a block to rows, see add_loads, and what its contacts lose to the sums."""
+    sums = totals_so_far(block)
+    sums = add_loads(spheres, to_i, to_j, touching, begin, n_contacts, block, sums)
     for c in range(np.uintp(N_MECHANISMS)):
         block.totals[c] = sums[c]
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from damper3d.engine.geometry import vector
-from damper3d.engine.laws.balance import NO_LOSS, note_totals, totals_so_far
+from damper3d.engine.laws.balance import NO_LOSS, add_and_sum
 from damper3d.engine.simd import add_loads
 from damper3d.engine.state import N_MECHANISMS, zeros
 from granulab.contact.jit import inlined_inner, inner
@@ -89,9 +89,8 @@ def keep_results(world, contacts, begin, n_contacts, which):
 @inlined_inner
 def _of_pairs(world, contacts, begin, n_contacts):
     results, block = world.results, world.block
-    to_i, to_j, sums = results.to_i, results.to_j, totals_so_far(block)
-    sums = add_loads(world.spheres, to_i, to_j, contacts.touching, begin, n_contacts, block, sums)
-    note_totals(block, sums)
+    to_i, to_j = results.to_i, results.to_j
+    add_and_sum(world.spheres, to_i, to_j, contacts.touching, begin, n_contacts, block)
     for k in range(np.uintp(n_contacts)):
         n = contacts.touching[np.uintp(begin) + k]
         if to_i[n] != contacts.i[n] or to_j[n] != contacts.j[n]:
