@@ -68,7 +68,7 @@ def listing(root: Path) -> str:
         f"presets    {', '.join(PRESETS)}",
         f"cases      {', '.join(case_names('enclosure'))}",
         f"materials  {', '.join(data_names('materials'))}",
-        *packings_and_runs(root, _result),
+        *packings_and_runs(root, "enclosure", _result),
     ]
     return "\n".join(lines)
 

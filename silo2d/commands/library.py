@@ -80,7 +80,7 @@ def listing(root: Path) -> str:
         f"cases      {', '.join(case_names('silo'))}",
         f"shapes     {', '.join(data_names('shapes'))}",
         f"materials  {', '.join(data_names('materials'))}",
-        *packings_and_runs(root, _ended),
+        *packings_and_runs(root, "silo", _ended),
     ]
     return "\n".join(lines)
 

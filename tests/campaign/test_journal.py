@@ -173,7 +173,7 @@ def test_cost_of_a_run_does_not_grow_with_their_number(tmp_path, in_this_process
     monkeypatch.setattr(engine, "_LOOK", 1e3)  # reports go by time, twice is enough
     first, again, listed = {}, {}, {}
     run_labelled(FAKE, [({}, fake(2))], out=tmp_path / "0", quiet=True)
-    packings_and_runs(tmp_path / "0", str)  # from here on all is imported
+    packings_and_runs(tmp_path / "0", "run", str)  # from here on all is imported
     for n in (20, 40, 80):
         out = tmp_path / str(n)
         cases = over_seeds({}, fake(3), range(n))
@@ -185,7 +185,7 @@ def test_cost_of_a_run_does_not_grow_with_their_number(tmp_path, in_this_process
         for k, (_, case) in enumerate(cases):
             run = RunFolder(out / f"square-seed{k}-{fake_digest(case)}")
             run.write_case(f'schema = 1\nname = "square"\n[run]\nseed = {k}\n')
-        listed[n] = calls(lambda out=out: packings_and_runs(out, str))
+        listed[n] = calls(lambda out=out: packings_and_runs(out, "run", str))
     assert_linear(first)
     assert_linear(again)
     assert_linear(listed)

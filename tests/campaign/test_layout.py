@@ -92,7 +92,7 @@ def failed(tmp_path):
 
 
 def test_run_that_failed_is_listed_and_shown_as_failed(failed):
-    (line,) = packings_and_runs(failed, str)
+    (line,) = packings_and_runs(failed, "silo", str)
     assert "failed: the simulation failed at t = 0.5 s" in line
     assert "unfinished" not in line
     (folder,) = failed.glob("A4-*")
@@ -103,7 +103,7 @@ def test_run_that_failed_is_listed_and_shown_as_failed(failed):
 def test_run_that_goes_on_after_a_failure_is_no_longer_one_that_failed(failed):
     runs = dataclasses.replace(RUNS, compute=lambda *_: {}, result=_Anything)
     runs.run(SiloCase.load("A4"), out=failed)
-    (line,) = packings_and_runs(failed, lambda summary: "empty")
+    (line,) = packings_and_runs(failed, "silo", lambda summary: "empty")
     assert "failed" not in line
 
 
@@ -117,10 +117,25 @@ def test_list_says_in_what_the_runs_of_a_sweep_differ(tmp_path):
     for outlet in ("100 mm", "120 mm"):
         case = SiloCase.load("A4", {"silo.outlet": outlet})
         dataclasses.replace(RUNS, compute=lambda *_: {}, result=_Anything).run(case, out=tmp_path)
-    lines = packings_and_runs(tmp_path, lambda summary: "empty")
+    lines = packings_and_runs(tmp_path, "silo", lambda summary: "empty")
     assert sorted(line.partition("empty; ")[2].partition(" (")[0] for line in lines) == [
         "silo.outlet 0.1 m", "silo.outlet 0.12 m",
     ]  # fmt: skip
+
+
+def test_list_leaves_out_the_runs_of_the_other_simulator(tmp_path):
+    runs = dataclasses.replace(RUNS, compute=lambda *_: {}, result=_Anything)
+    runs.run(SiloCase.load("A4"), out=tmp_path)
+    assert len(packings_and_runs(tmp_path, "silo", lambda summary: "empty")) == 1
+    assert packings_and_runs(tmp_path, "enclosure", lambda summary: "empty") == []
+
+
+def test_list_names_a_run_whose_case_cannot_be_read(tmp_path):
+    (tmp_path / "A4-seed1-0").mkdir()
+    (tmp_path / "A4-seed1-0" / "case.toml").write_text("[silo", encoding="utf-8")
+    for section in ("silo", "enclosure"):
+        (line,) = packings_and_runs(tmp_path, section, str)
+        assert "unfinished" in line
 
 
 def test_run_folders_in_a_table_are_relative_to_it(tmp_path):

@@ -1,7 +1,7 @@
 """The commands `init`, `list`, `show`: new files to edit; packings and runs in words."""
 
 import importlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -206,14 +206,18 @@ def write_output(path: Path, content: bytes) -> Path:
     return path
 
 
-def packings_and_runs(root: Path, result: Callable[[dict[str, Any]], str]) -> list[str]:
+def packings_and_runs(
+    root: Path, section: str, result: Callable[[dict[str, Any]], str]
+) -> list[str]:
     """Lines on what stands below a folder: packings, studies, and each run in which runs differ.
 
+    section: one that every case of the simulator has; runs of another are left out.
     result: words on a finished run, from its summary; where it raises, that is damaged.
     """
     packings = sorted((root / "packings").glob("*/packing.h5"))
     studies = sorted((root / "studies").glob("*/study.toml"))
-    runs = sorted(path.parent for path in root.glob("*/case.toml"))
+    cases = {path.parent: _keys(path) for path in sorted(root.glob("*/case.toml"))}
+    runs = {run: keys for run, keys in cases.items() if not keys or _has(keys, section)}
     lines = []
     if packings:
         lines.append(f"packings   {len(packings)} in {root / 'packings'} ({_size(*packings)})")
@@ -225,11 +229,14 @@ def packings_and_runs(root: Path, result: Callable[[dict[str, Any]], str]) -> li
     return lines
 
 
-def _differences(runs: Sequence[Path]) -> dict[Path, dict[str, str]]:
+def _has(keys: Mapping[str, str], section: str) -> bool:
+    return any(key.startswith(f"{section}.") for key in keys)
+
+
+def _differences(runs: Mapping[Path, dict[str, str]]) -> dict[Path, dict[str, str]]:
     """Keys of the cases, with their values as written, in which runs of one name differ."""
     alike: dict[str | None, dict[Path, dict[str, str]]] = {}
-    for run in runs:
-        case = _keys(run / "case.toml")
+    for run, case in runs.items():
         alike.setdefault(case.get("name"), {})[run] = case
     found: dict[Path, dict[str, str]] = {}
     for cases in alike.values():

@@ -133,7 +133,7 @@ def patience(words: str, quiet: bool = False) -> Iterator[None]:
 def announce_compilation(quiet: bool, already_compiled: bool) -> None:
     """Say why nothing happens for a while, where kernels are compiled first."""
     if not quiet and not already_compiled:
-        line = "compiling the kernels, once for this version (about a minute) ..."
+        line = "compiling the kernels, once for this version (half a minute) ..."
         print(line, file=sys.stderr, flush=True)
 
 
