@@ -20,6 +20,7 @@ from damper3d.engine.motions.turning import turns, twists
 from damper3d.engine.neighbours import search_pairs, search_walls
 from damper3d.engine.state import DONE, STALE_INNER, STALE_WALL, STEP
 from damper3d.engine.walls import drive_walls
+from granulab.contact.compiled.handed import handed
 from granulab.contact.jit import inlined_inner, inner, specialised, uncounted
 
 
@@ -36,7 +37,7 @@ def take_steps(world, n_steps):
     shift, speed = enclosure_at(world.shaker, direction, world.counts[STEP] * dt)
     for taken in range(n_steps):
         if world.counts[STALE_INNER] or world.counts[STALE_WALL]:
-            outcome = search(world, shift)
+            outcome = search(handed(world), shift)
             if outcome != DONE:
                 return taken, outcome
         before = force_so_far(world)
@@ -59,7 +60,7 @@ def advance_together(worlds, n_steps):
     for taken in range(n_steps):
         for k, world in enumerate(worlds):
             if outcome == DONE:
-                outcome, which = search(world, place_now(world)[0]), k
+                outcome, which = search(handed(world), place_now(world)[0]), k
         if outcome != DONE:
             return taken, outcome, which
         for world in worlds:
@@ -83,6 +84,7 @@ def place_now(world):
 @uncounted
 def search(world, shift):
     """Make stale lists again; DONE, or what is wrong."""
+    world = handed(world)
     counts = world.counts
     if counts[STALE_INNER]:
         outcome = search_pairs(world, shift)
