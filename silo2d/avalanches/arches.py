@@ -81,6 +81,18 @@ class Bed:
         far = np.hypot(rows[:, state.X] - outline.outlet_centre, rows[:, state.Y])
         return sim.live[far <= max(outline.outlet, far.min())]
 
+    def above_outlet(self, sim: Simulation) -> float:
+        """Share of the area above the outlet, up to the level of the filling, that particles take.
+
+        By their centroids: right to a particle.
+        """
+        outline, level, rows = self.silo.outline, self.silo.settings.fill.level, sim.rows[sim.live]
+        across = np.abs(rows[:, state.X] - outline.outlet_centre) < 0.5 * outline.outlet
+        there = across & (rows[:, state.Y] > 0) & (rows[:, state.Y] < level)
+        areas = np.array([shape.area for shape in self.silo.shapes.shapes])
+        taken = areas[self.packing.kinds[sim.live[there]]].sum()
+        return float(taken / (outline.outlet * level))
+
     def shake(self, sim: Simulation, which: np.ndarray, breaks: int) -> None:
         """Throw particles (k,) in random directions at sqrt(2 g d), d their mean diameter."""
         seed = [self.case.settings.run.seed, _SHAKING, breaks]

@@ -31,6 +31,7 @@ class Ledger(Clock):
     sizes: list[int] = field(default_factory=list)
     cut: list[int] = field(default_factory=list)
     durations: list[float] = field(default_factory=list)
+    above: list[float] = field(default_factory=list)
     first: list[int] = field(default_factory=list)  # size and whether it clogged, once it is over
     arch_particles: list[int] = field(default_factory=list)
     arch_span: list[float] = field(default_factory=list)
@@ -72,7 +73,7 @@ def flow(
         ledger.cpu_s += time.process_time() - began
         if outcome:
             if outcome != "whole" and ledger.size:  # what flowed until then counts too
-                _over(bed, ledger, sim.time, clogged=False)
+                _over(bed, ledger, sim, clogged=False)
             return outcome
         if target % saving == 0:
             keep()
@@ -93,7 +94,7 @@ def _look(sim: Simulation, bed: Bed, ledger: Ledger) -> str | None:
             return "dead_zones"
         return _clogged(sim, bed, ledger)
     if ledger.size >= protocol.largest:
-        return _over(bed, ledger, sim.time, clogged=False)
+        return _over(bed, ledger, sim, clogged=False)
     if left == 0 and sim.time - (ledger.last or ledger.begun) > silo.settings.run.max_time:
         return "time_limit"
     return None
@@ -131,7 +132,7 @@ def _clogged(sim: Simulation, bed: Bed, ledger: Ledger) -> str | None:
             ledger.arch_particles.append(len(arch.particles))
             ledger.arch_span.append(arch.span)
             ledger.arch_aspect.append(arch.rise / arch.span)
-        if outcome := _over(bed, ledger, sim.time, clogged=True):
+        if outcome := _over(bed, ledger, sim, clogged=True):
             return outcome
     which = bed.near_outlet(sim) if arch is None else arch.particles
     ledger.breaks += 1
@@ -146,15 +147,16 @@ def _clogged(sim: Simulation, bed: Bed, ledger: Ledger) -> str | None:
     return None
 
 
-def _over(bed: Bed, ledger: Ledger, now: float, *, clogged: bool) -> str | None:
+def _over(bed: Bed, ledger: Ledger, sim: Simulation, *, clogged: bool) -> str | None:
     """Enter an avalanche that has clogged or is cut off; the outcome, once all are there."""
     if not ledger.first:
         ledger.first = [ledger.size, int(clogged)]
     else:
         ledger.sizes.append(ledger.size)
         ledger.cut.append(int(not clogged))
-        ledger.durations.append((ledger.last or now) - ledger.begun)
-    ledger.size, ledger.begun = 0, now
+        ledger.durations.append((ledger.last or sim.time) - ledger.begun)
+        ledger.above.append(bed.above_outlet(sim))
+    ledger.size, ledger.begun = 0, sim.time
     return "whole" if len(ledger.sizes) == bed.case.protocol.avalanches else None
 
 

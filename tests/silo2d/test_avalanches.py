@@ -128,6 +128,22 @@ def test_a_particle_that_is_put_elsewhere_takes_its_energy_along():
     )
 
 
+def test_share_above_the_outlet_is_of_particles_between_its_edges_up_to_the_level(root):
+    """Three of them; not the one beside its edge, above the level or below the outlet."""
+    bed = Bed.of(case_in(root.parent), get_packing(case_in(root.parent).silo, root, None))
+    silo, level = bed.silo, bed.silo.settings.fill.level
+    sim = protocol._at_opening(bed, 0, Stages.of(None), lambda: False)
+    centre, half = silo.outline.outlet_centre, 0.5 * silo.outline.outlet
+    edge = centre + 1.01 * half
+    places = [(centre, 0.3 * level), (centre - 0.99 * half, 0.01 * level),
+              (centre + 0.99 * half, 0.99 * level), (edge, 0.5 * level),
+              (centre, 1.01 * level), (centre, -0.01 * level)]  # fmt: skip
+    poses = np.array([(x, y, 0.0) for x, y in places] + [(edge, level, 0.0)] * sim.n_particles)
+    sim.put(np.arange(sim.n_particles), poses[: sim.n_particles])
+    areas = [silo.shapes.shapes[kind].area for kind in bed.packing.kinds[:3]]
+    assert bed.above_outlet(sim) == pytest.approx(sum(areas) / (2 * half * level), rel=1e-12)
+
+
 # Runs
 
 
@@ -136,6 +152,7 @@ def test_avalanches_end_in_arches_or_are_cut(whole):
     *_, found = whole
     assert found.outcome == "whole"
     assert len(found.sizes) == len(found.cut) == len(found.durations_s) == AVALANCHES
+    assert len(found.above_outlet) == AVALANCHES
     assert min(found.sizes) >= 1
     assert sum(found.cut) == 0
     clogs = AVALANCHES + found.first_clogged

@@ -27,7 +27,7 @@ def handed(whole: Any) -> Any:
     return whole
 
 
-class Handed(types.Type):  # type: ignore[misc]
+class Handed(types.Type):
     """Type of such a tuple; `fields` and items are those of the tuple's own."""
 
     def __init__(self, whole: Any) -> None:
@@ -39,7 +39,7 @@ class Handed(types.Type):  # type: ignore[misc]
         """Names of the fields."""
         return self.dtype.fields
 
-    def __getitem__(self, k: int) -> Any:
+    def __getitem__(self, k: int) -> Any:  # type: ignore[override]
         """Type of field k."""
         return self.dtype[k]
 
@@ -48,7 +48,7 @@ register_default(Handed)(models.PointerModel)
 
 
 @infer_global(handed)
-class _Handing(AbstractTemplate):  # type: ignore[misc]
+class _Handing(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
         (whole,) = args
         return (whole if isinstance(whole, Handed) else Handed(whole))(whole)
@@ -67,10 +67,10 @@ def _leave(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 
 @infer_getattr
-class _Fields(AttributeTemplate):  # type: ignore[misc]
+class _Fields(AttributeTemplate):
     key = Handed
 
-    def generic_resolve(self, whole: Handed, name: str) -> Any:
+    def generic_resolve(self, whole: Handed, name: str) -> Any:  # type: ignore[override]
         return whole[whole.fields.index(name)] if name in whole.fields else None
 
 

@@ -43,7 +43,8 @@ def in_words(found: Mapping[str, Any]) -> str:
             for one in outlets
         ],
     )  # fmt: skip
-    return paragraphs(first, second, "\n".join([*_laws(found), *_threshold(found)]), _NOTES)
+    said = [*_laws(found), *_threshold(found), *_ratholes(found)]
+    return paragraphs(first, second, "\n".join(said), _NOTES)
 
 
 def _mean(one: Mapping[str, Any]) -> str:
@@ -125,3 +126,13 @@ def _threshold(found: Mapping[str, Any]) -> list[str]:
         of = "independent" if r["low"] <= 0 <= r["high"] else "not independent"
         lines.append(f"successive avalanches of all outlets are {of}: r = {_correlation(r)}")
     return lines
+
+
+def _ratholes(found: Mapping[str, Any]) -> list[str]:
+    return [
+        f"{one['ratholes']} of {one['avalanches']} avalanches at {1e3 * one['outlet_m']:g} mm "
+        "ended above a rathole, less than half of which particles take: they are none of a filled "
+        "silo, and its mean and the laws are not those of one"
+        for one in found["outlets"]
+        if one["ratholes"]
+    ]
