@@ -15,7 +15,7 @@ from silo2d.measures.arch import Arch, find_arch
 from silo2d.measures.basics.contacts import Moment
 from silo2d.run.discharge import frame_of
 from silo2d.run.packing import Packing
-from silo2d.run.refill import Surface
+from silo2d.run.refill import Surface, put_on
 from silo2d.run.summary import describe
 from silo2d.view.scene import Scene
 
@@ -49,19 +49,14 @@ class Bed:
         )
 
     def put_on_top(self, sim: Simulation, which: np.ndarray, before: int) -> int:
-        """Put particles (k,) on the bed at rest, rotated at random; the number put.
+        """Put particles (k,) on the bed, rotated at random; the number put.
 
         before: particles that were put on before, of which the random numbers follow.
         """
         if not len(which):
             return 0
-        others = np.setdiff1d(sim.live, which)
-        centres = sim.rows[others][:, [state.X, state.Y]]
-        places = self.surface.places(centres, self.radii[others], self.radii[which])
-        seed = [self.case.settings.run.seed, _REFILLING, before]
-        angles = np.random.default_rng(seed).uniform(0, 2 * np.pi, len(places))
-        sim.put(which[: len(places)], np.column_stack([places, angles]))
-        return len(places)
+        rng = np.random.default_rng([self.case.settings.run.seed, _REFILLING, before])
+        return put_on(self.surface, sim, which, self.radii, lambda k: rng.uniform(0, 2 * np.pi, k))
 
     def find_arch(self, sim: Simulation) -> Arch | None:
         """The arch that the bed stands on now; None where no chain of contacts is found."""

@@ -104,7 +104,6 @@ def _summary(case: AvalancheCase, sim: Simulation, ledger: Ledger, outcome: str)
         "sizes": ledger.sizes,
         "cut": ledger.cut,
         "durations_s": ledger.durations,
-        "above_outlet": ledger.above,
         "first_size": first[0],
         "first_clogged": bool(first[1]),
         "arch_particles": ledger.arch_particles,
@@ -127,10 +126,8 @@ def _write_table(folder: RunFolder, summary: Mapping[str, Any]) -> None:
     """avalanches.csv: a line an avalanche, in their order."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    columns = {"size": "sizes", "cut": "cut", "duration_s": "durations_s",
-               "above_outlet": "above_outlet"}  # fmt: skip
-    writer.writerow(columns)
-    writer.writerows(zip(*(summary[name] for name in columns.values()), strict=True))
+    writer.writerow(["size", "cut", "duration_s"])
+    writer.writerows(zip(*(summary[k] for k in ("sizes", "cut", "durations_s")), strict=True))
     write_atomic(folder.path / "avalanches.csv", text.getvalue())
 
 

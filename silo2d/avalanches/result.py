@@ -13,8 +13,6 @@ class Avalanches(Results):
     sizes          particles that left in each, the first, from the opening, not among them
     cut            1 for those that ended without a clog: larger than that (censored); else 0
     durations_s    from the breaking of an arch to the last particle that left
-    above_outlet   share of the area above the outlet, up to the level of the filling, that
-                   particles took at the end of each
     first_size     particles that left from the opening to the first clog or cut
     arch_...       of the clogs that ended those avalanches: particles, distance of the feet [m],
                    rise over span; of clogs whose arch was found
@@ -29,12 +27,11 @@ class Avalanches(Results):
     largest: int
     breaking: Literal["remove", "shake"]
     drop: float
-    outcome: Literal["whole", "dead_zones", "stuck", "time_limit"]
+    outcome: Literal["whole", "dead_zones", "rathole", "stuck", "time_limit"]
     n_particles: int
     sizes: list[int]
     cut: list[int]
     durations_s: list[float]
-    above_outlet: list[float]
     first_size: int
     first_clogged: bool
     arch_particles: list[int]
@@ -57,6 +54,7 @@ class Avalanches(Results):
 _OUTCOMES = {
     "whole": "",
     "dead_zones": ", then nothing over the outlet",
+    "rathole": ", then a flow through a channel around which the bed stands",
     "stuck": ", then no break let anything out",
     "time_limit": ", then nothing came out and nothing lay still",
 }

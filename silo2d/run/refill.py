@@ -1,10 +1,13 @@
-"""Positions for particles that are put on a bed from above: at the lowest place of its surface."""
+"""Refilling: particles are put at the lowest places of a bed's surface, and move as it does."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
 from silo2d.case.outline import Outline
+from silo2d.engine import state
+from silo2d.engine.simulation import Simulation
 
 _COLUMNS = 4  # that are looked at, a radius of the largest particle
 _CLEAR = 1.01  # distance of bounding circles, over the sum of their radii
@@ -59,6 +62,31 @@ class Surface:
             found.append((self._x[k], y))
             _raise(low, self._x, self._x[k], y, _CLEAR * (radius + largest))
         return np.array(found).reshape(-1, 2)
+
+
+def put_on(
+    surface: Surface, sim: Simulation, which: np.ndarray, radii: np.ndarray,
+    angles: Callable[[int], np.ndarray],
+) -> int:  # fmt: skip
+    """Put particles (k,), inside or gone, on the surface of the others; how many found room.
+
+    radii: bounding ones of all particles (n,) [m]; angles: gives those of so many [rad]. Each moves
+    as the particle next to it does. Put at rest it would stay behind a surface that sinks, and what
+    is put on next behind it: of a fast flow such a column of falling particles would be left.
+    """
+    others = np.setdiff1d(sim.live, which)
+    centres = sim.rows[others][:, [state.X, state.Y]]
+    places = surface.places(centres, radii[others], radii[which])
+    put = which[: len(places)]
+    if not len(put):
+        return 0
+    velocity = np.zeros((len(put), 2))
+    if len(others):
+        apart = ((places[:, None] - centres) ** 2).sum(axis=2)
+        velocity = sim.rows[others[apart.argmin(axis=1)]][:, [state.UX, state.UY]]
+    sim.put(put, np.column_stack([places, angles(len(put))]))
+    sim.push(put, velocity)
+    return len(put)
 
 
 def _raise(low: np.ndarray, columns: np.ndarray, x: float, y: float, far: float) -> None:

@@ -144,6 +144,32 @@ def test_share_above_the_outlet_is_of_particles_between_its_edges_up_to_the_leve
     assert bed.above_outlet(sim) == pytest.approx(sum(areas) / (2 * half * level), rel=1e-12)
 
 
+def test_a_rathole_is_one_once_nothing_stood_in_it_for_a_fall(root, monkeypatch):
+    """Half full, and then less for as long as it takes to fall from the level; full in between."""
+    bed = Bed.of(case_in(root.parent), get_packing(case_in(root.parent).silo, root, None))
+    sim, ledger = protocol._at_opening(bed, 0, Stages.of(None), lambda: False), flow.Ledger()
+    fall = np.sqrt(2 * bed.silo.settings.fill.level / GRAVITY)
+    share, begun = flow.RATHOLE, sim.time
+    monkeypatch.setattr(Bed, "above_outlet", lambda *_: share)
+    steps = round(0.3 * fall / sim.time_step)
+
+    def goes_on(times):
+        found = []
+        for _ in range(times):
+            found.append(flow._is_rathole(sim, bed, ledger))
+            sim.run(steps)
+        return found
+
+    assert not any(goes_on(5))
+    share = 0.99 * flow.RATHOLE
+    assert not any(goes_on(3))
+    share = 1.01 * flow.RATHOLE
+    assert not any(goes_on(1))
+    share = 0.99 * flow.RATHOLE
+    assert goes_on(5) == [False] * 4 + [True]
+    assert sim.time > begun
+
+
 # Runs
 
 
@@ -152,7 +178,6 @@ def test_avalanches_end_in_arches_or_are_cut(whole):
     *_, found = whole
     assert found.outcome == "whole"
     assert len(found.sizes) == len(found.cut) == len(found.durations_s) == AVALANCHES
-    assert len(found.above_outlet) == AVALANCHES
     assert min(found.sizes) >= 1
     assert sum(found.cut) == 0
     clogs = AVALANCHES + found.first_clogged
@@ -186,6 +211,25 @@ def test_mass_and_level_are_kept(whole):
     assert np.abs(level - level[0]).max() < 4 * bed.silo.shapes.bounding_radius
     assert (1 / sim.rows[:, state.INV_MASS] == mass).all()
     assert ledger.refilled > ledger.first[0]  # those of the arch too
+
+
+def test_bed_stays_filled_however_fast_the_flow(root):
+    """An outlet of eight particles: what is above it stays as dense as flows are. Particles that
+    were put at rest stayed behind a surface that sank, and the next behind them: a rathole."""
+    case = SiloCase.load(write_case(root.parent, {**ROUGH, "silo.outlet": "60 mm"}))
+    case = AvalancheCase.of(case, Protocol(avalanches=3, largest=200))
+    bed = Bed.of(case, get_packing(case.silo, root, None))
+    sim = protocol._at_opening(bed, 0, Stages.of(None), lambda: False)
+    ledger, above = flow.Ledger(), []
+
+    def look():
+        above.append(bed.above_outlet(sim))
+        return False
+
+    assert flow.flow(sim, bed, ledger, lambda: None, Stages.of(None), look) == "whole"
+    assert sum(ledger.cut) == 3
+    assert np.mean(above) > 0.6
+    assert min(above) > flow.RATHOLE
 
 
 def test_a_run_stopped_many_times_ends_with_the_same_bits(whole, root):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from silo2d.measures.clogging import laws, sizes, waits
-from silo2d.measures.clogging.study import RATHOLE, study
+from silo2d.measures.clogging.study import study
 
 
 @pytest.fixture
@@ -228,7 +228,7 @@ def made_row(outlet, seed, mean, rng):
     size, cut = censored(rng.geometric(1 / mean, 50), 400)
     return {
         "state": "done", "reason": "", "outlet_m": outlet, "outlet_mm": 1e3 * outlet, "seed": seed,
-        "above_outlet": [0.8] * 50,
+        "outcome": "whole",
         "diameter_m": 0.01, "n_particles": 300, "sizes": size, "cut": cut,
         "first_size": size[0], "first_clogged": True, "arch_particles": [3, 5, 5],
         "arch_span_m": [0.05] * 3, "arch_aspect": [0.3] * 3, "arches_not_found": 0, "breaks": 50,
@@ -276,16 +276,10 @@ def test_report_and_picture_say_what_was_found(rng, tmp_path):
     assert path.stat().st_size > 20_000
 
 
-def test_avalanches_above_a_rathole_are_counted_and_told(rng):
-    """Two of 100 by the criterion; nothing is told of runs that did not note what was above."""
+def test_runs_that_end_in_a_rathole_are_told(rng):
     from silo2d.view.clogging.words import in_words
 
     rows = [made_row(0.05, seed, 20, rng) for seed in (1, 2)]
-    rows[1]["above_outlet"] = [0.2, RATHOLE - 0.01, RATHOLE, *[0.8] * 47]
-    found = study(rows, 0.15)
-    assert found["outlets"][0]["ratholes"] == 2
-    assert "2 of 100 avalanches at 50 mm ended above a rathole" in in_words(found)
-    del rows[0]["above_outlet"]
-    found = study(rows, 0.15)
-    assert found["outlets"][0]["ratholes"] is None
-    assert "rathole" not in in_words(found)
+    assert "rathole" not in in_words(study(rows, 0.15))
+    rows[1]["outcome"] = "rathole"
+    assert "1 of the runs at 50 mm ended in a rathole" in in_words(study(rows, 0.15))

@@ -16,10 +16,6 @@ from silo2d.measures.clogging.waits import tail
 
 Row = dict[str, Any]
 
-# Of the area above the outlet, where less is taken at the end of an avalanche: a channel (rathole)
-# that the rest of the bed stands around. Beds in flow take 0.6 to 0.85 of it, loose particles that
-# fall through a channel 0.1 to 0.4 (docs/silo/clogging.md).
-RATHOLE = 0.5
 PROBABILITIES = 0.5, 0.05, 0.01  # of clogging, whose outlets are given
 
 
@@ -125,7 +121,7 @@ def _at(one: AtOutlet, n: int | None, rest_time: float) -> dict[str, Any]:
         "cut": sum(cut),
         "mean_avalanche": mean.value,
         "mean_avalanche_interval": [mean.low, mean.high],
-        "ratholes": _ratholes(one.rows),
+        "ratholes": sum(row["outcome"] == "rathole" for row in one.rows),
         "clogs_before_empty": 1 - value,
         "clogs_before_empty_interval": [1 - high, 1 - low],
         "form": _dict(form(sizes, cut)),
@@ -141,13 +137,6 @@ def _at(one: AtOutlet, n: int | None, rest_time: float) -> dict[str, Any]:
         "waits_tail": _dict(tail(waits, rest_time)),
         "cpu_s": math.fsum(row["cpu_s"] for row in one.rows),
     }
-
-
-def _ratholes(rows: Sequence[Row]) -> int | None:
-    """Avalanches that ended above a channel; None where a run did not note it yet."""
-    if any(row.get("above_outlet") is None for row in rows):
-        return None
-    return sum(share < RATHOLE for row in rows for share in row["above_outlet"])
 
 
 def _independence(outlets: Sequence[AtOutlet]) -> dict[str, Any] | None:

@@ -12,7 +12,7 @@ from silo2d.case.case import SiloCase
 from silo2d.engine.simulation import Simulation
 from silo2d.run.ending import LOOK
 from silo2d.run.packing import Packing
-from silo2d.run.refill import Surface
+from silo2d.run.refill import Surface, put_on
 
 _CUTS = 0.1  # of the spheroradius: how far a particle stands in the gate that it is taken with
 _DIRECTIONS = {"vertical": (0.0, 1.0), "horizontal": (1.0, 0.0)}
@@ -132,7 +132,7 @@ class Acts:
             sim.take_out([int(live[over][np.argmin(y[over])])])
 
     def _refill(self, sim: Simulation, surface: Surface) -> None:
-        """Put particles of the store at rest on the surface, as many as have left."""
+        """Put particles of the store on the surface, as many as have left."""
         n, store = sim.n_particles, self.case.settings.flow.refill
         used = ~np.isnan(sim.out_time[n - store :])
         used[sim.live[sim.live >= n - store] - (n - store)] = True
@@ -141,7 +141,5 @@ class Acts:
         if not len(wanted):
             return
         radii = np.array([shape.bounding_radius for shape in self.case.shapes.shapes])
-        radii, poses = radii[self.packing.kinds], sim.poses()
-        room = surface.places(poses[sim.live, :2], radii[sim.live], radii[wanted])
-        put = wanted[: len(room)]
-        sim.put(put, np.column_stack([room, poses[put, 2]]))
+        angles = sim.poses()[wanted, 2]
+        put_on(surface, sim, wanted, radii[self.packing.kinds], lambda k: angles[:k])

@@ -129,10 +129,10 @@ def _threshold(found: Mapping[str, Any]) -> list[str]:
 
 
 def _ratholes(found: Mapping[str, Any]) -> list[str]:
+    """What ended runs before their time."""
     return [
-        f"{one['ratholes']} of {one['avalanches']} avalanches at {1e3 * one['outlet_m']:g} mm "
-        "ended above a rathole, less than half of which particles take: they are none of a filled "
-        "silo, and its mean and the laws are not those of one"
+        f"{one['ratholes']} of the runs at {1e3 * one['outlet_m']:g} mm ended in a rathole: their "
+        "beds stood around a channel, through which what is put on top falls"
         for one in found["outlets"]
         if one["ratholes"]
     ]
