@@ -57,7 +57,10 @@ def apply_class(world, law, first_pair, account, dt):
         for begin in range(first_pair[part], last, BLOCK):
             n = min(last - begin, BLOCK)
             contact_forces(world.bodies.row, world.inner, world.forces, law, begin, n, dt)
-            sums = add_loads(world.bodies.row, world.inner, world.forces, begin, n, sums)
+            sums = add_loads(
+                world.bodies.row, None, world.inner.vertex_body, world.inner.edge_body,
+                world.forces, begin, n, sums,
+            )  # fmt: skip
         total = added(total, sums)
     add_to_account(account, total, dt)
 

@@ -8,12 +8,22 @@ tests/silo2d/test_engine_simd.py.
 """
 
 import numpy as np
+from llvmlite import ir
 from numba import config, types
 from numba.extending import intrinsic
 
-from granulab.contact.compiled.rows import NOTHING, begin_of, data, load, named, store, transposed
+from granulab.contact.compiled.rows import (
+    NOTHING,
+    NUMBER,
+    begin_of,
+    data,
+    load,
+    named,
+    pointer_to,
+    transposed,
+)
 from granulab.contact.jit import uncounted
-from silo2d.engine.state import FX, FY, TORQUE
+from silo2d.engine.state import FX, FY, NOBODY, TORQUE
 
 _PLAIN = bool(config.DISABLE_JIT)  # kernels as Python: it has no such vectors
 _ROW = 4  # fours of numbers in a body's row; the one from FX on ends with 1/mass, which stays
@@ -21,14 +31,21 @@ _ROW = 4  # fours of numbers in a body's row; the one from FX on ends with 1/mas
 
 @intrinsic
 def _add_four(
-    typingctx, row, vertex_body, edge_body, fx, fy, torque_j, torque_i, begin, k,
+    typingctx, row, aside, to_j, to_i, fx, fy, torque_j, torque_i, begin, k,
 ):  # fmt: skip
-    """Loads of pairs k ... k + 3 of a block, one after the other, to the rows of their bodies."""
-    number = types.int64
-    signature = types.void(row, vertex_body, edge_body, fx, fy, torque_j, torque_i, number, number)
+    """Loads of pairs k ... k + 3 of a block, one after the other, to rows; see add_loads."""
+    number, may_be_nobody = types.int64, isinstance(aside, types.Array)
+    signature = types.void(row, aside, to_j, to_i, fx, fy, torque_j, torque_i, number, number)
+
+    def row_from_fx(builder, row, aside, body):
+        there = pointer_to(builder, row, begin_of(builder, body, _ROW), FX)
+        if not may_be_nobody:
+            return there
+        is_nobody = builder.icmp_unsigned("==", body, ir.Constant(NUMBER, int(NOBODY)))
+        return builder.select(is_nobody, pointer_to(builder, aside, ir.Constant(NUMBER, FX)), there)
 
     def generate(context, builder, signature, arguments):
-        row, vertex_body, edge_body, fx, fy, torque_j, torque_i, begin, k = data(
+        row, aside, to_j, to_i, fx, fy, torque_j, torque_i, begin, k = data(
             context, builder, signature, arguments
         )
         first = builder.add(begin, k)
@@ -36,18 +53,20 @@ def _add_four(
         of_j = transposed(builder, [x, y, on_j, NOTHING])
         of_i = transposed(builder, [builder.fneg(x), builder.fneg(y), on_i, NOTHING])
         for n in range(4):
-            for bodies, change in ((vertex_body, of_j[n]), (edge_body, of_i[n])):
-                at = begin_of(builder, named(builder, bodies, first, n), _ROW)
-                store(builder, builder.fadd(load(builder, row, at, FX), change), row, at, FX)
+            for bodies, change in ((to_j, of_j[n]), (to_i, of_i[n])):
+                at = row_from_fx(builder, row, aside, named(builder, bodies, first, n))
+                builder.store(builder.fadd(builder.load(at, align=8), change), at, align=8)
         return context.get_dummy_value()
 
     return signature, generate
 
 
 @uncounted
-def add_loads(row, inner, forces, begin, n_pairs, sums):
-    """Add forces and torques of a block to its bodies, in the order of the list.
+def add_loads(row, aside, to_j, to_i, forces, begin, n_pairs, sums):
+    """Add forces and torques of a block to rows of bodies, in the order of the list.
 
+    to_j, to_i (capacity,): rows that take the loads of the vertices' and of the edges' bodies;
+    NOBODY where none does. aside: None where that is none of them, else a row that nobody reads.
     Returns what the pairs dissipate, sums that go on with those before: normal and tangential
     damping [W], friction [J].
     """
@@ -55,22 +74,37 @@ def add_loads(row, inner, forces, begin, n_pairs, sums):
     fours = 0 if _PLAIN else n_pairs - n_pairs % 4
     for k in range(np.int64(0), fours, 4):
         _add_four(
-            row, inner.vertex_body, inner.edge_body, forces.fx, forces.fy, forces.torque_j,
-            forces.torque_i, begin, k,
-        )  # fmt: skip
+            row, aside, to_j, to_i, forces.fx, forces.fy, forces.torque_j, forces.torque_i, begin, k
+        )
         for m in range(np.uintp(k), np.uintp(k + 4)):
             normal += forces.normal_power[m]
             tangential += forces.tangential_power[m]
             lost += forces.lost[m]
     for k in range(fours, n_pairs):
-        j, i = inner.vertex_body[begin + k], inner.edge_body[begin + k]
-        row[j, FX] += forces.fx[k]
-        row[j, FY] += forces.fy[k]
-        row[j, TORQUE] += forces.torque_j[k]
-        row[i, FX] -= forces.fx[k]
-        row[i, FY] -= forces.fy[k]
-        row[i, TORQUE] += forces.torque_i[k]
+        j, i = to_j[begin + k], to_i[begin + k]
+        if aside is None:
+            row[j, FX] += forces.fx[k]
+            row[j, FY] += forces.fy[k]
+            row[j, TORQUE] += forces.torque_j[k]
+            row[i, FX] -= forces.fx[k]
+            row[i, FY] -= forces.fy[k]
+            row[i, TORQUE] += forces.torque_i[k]
+        else:
+            _add_one(row, j, i, forces, k)
         normal += forces.normal_power[k]
         tangential += forces.tangential_power[k]
         lost += forces.lost[k]
     return normal, tangential, lost
+
+
+@uncounted
+def _add_one(row, j, i, forces, k):
+    """Loads of one pair of a block, to the rows that there are."""
+    if j != NOBODY:
+        row[j, FX] += forces.fx[k]
+        row[j, FY] += forces.fy[k]
+        row[j, TORQUE] += forces.torque_j[k]
+    if i != NOBODY:
+        row[i, FX] -= forces.fx[k]
+        row[i, FY] -= forces.fy[k]
+        row[i, TORQUE] += forces.torque_i[k]

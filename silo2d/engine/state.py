@@ -39,6 +39,7 @@ DONE, PAIRS_FULL, OUTER_FULL, NOT_FINITE, TOO_DEEP = range(5)
 BLOCK = 256  # inner pairs that the force pass works on at once: their forces fill half of a cache
 MAX_VERTICES = 64  # of one shape: a contact's key has six bits for each
 _PART = 512  # particles of a part, at least; twice as many at most
+NOBODY = np.uint32(2**32 - 1)  # in place of a body whose load is kept for later
 WALL_KEY = 1 << 62  # particle-wall keys come after all particle-particle keys
 
 

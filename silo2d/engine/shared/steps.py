@@ -1,12 +1,13 @@
 """Steps of one silo that several threads share, with the bits of one thread's.
 
-A thread works on consecutive parts: on the pairs whose first body is its own. It keeps their
-forces, since the second body may be another's. When all have done so, each adds up its own
-particles' forces: first those of pairs that others worked on, then its own pairs', both in the
-order of the list. That is the order in which one thread adds them, for a particle is the second
-body of its pairs with particles before it, and the first of those with bodies after it.
+A thread works on consecutive parts: on the pairs whose first body is its own. The second body may
+be another's. Such a particle "waits": its forces of other threads come first in the list, and are
+added before those of its own thread. So of each pair with a body that waits, or is another's, the
+load on that body is kept, and added when all threads have come so far: first what others hand over,
+then the thread's own, both in the order of the list. All other loads are added at once. That is the
+order in which one thread adds the loads of each particle.
 
-The first thread also adds up the forces on walls, ends the step, and makes those lists that cannot
+The first thread also adds up the loads on walls, ends the step, and makes those lists that cannot
 be shared; the others wait.
 """
 
@@ -21,6 +22,7 @@ from silo2d.engine.forces import add_to_account, added, contact_forces
 from silo2d.engine.integrate import end_step, move_live
 from silo2d.engine.lists import measure_distances
 from silo2d.engine.neighbours import begin_search, search_inner, search_outer, update_vertices
+from silo2d.engine.simd import add_loads
 from silo2d.engine.state import (
     BLOCK,
     CARRIED_OUT,
@@ -28,6 +30,7 @@ from silo2d.engine.state import (
     FX,
     FY,
     LIVE,
+    NOBODY,
     OUTER,
     PARTICLE_PARTICLE,
     PARTICLE_WALL,
@@ -38,16 +41,33 @@ from silo2d.engine.state import (
 )
 
 
+class Loads(NamedTuple):
+    """Loads that are kept for a moment, each at its pair's place in the inner list; (capacity,)."""
+
+    fx: np.ndarray  # force on the vertex's body [N]
+    fy: np.ndarray
+    torque_j: np.ndarray  # torque on the vertex's body [N m]
+    torque_i: np.ndarray  # torque on the edge's body [N m]
+
+
 class Team(NamedTuple):
     """Arrays that the threads of a silo share besides its world."""
 
     clock: np.ndarray  # of wait
     parts: np.ndarray  # (n_threads + 1,) which parts each thread works on
     bounds: np.ndarray  # (n_threads + 1,) where the particles of each begin
-    forces: Forces  # of all inner pairs, (capacity,)
-    sums: np.ndarray  # (2, n_parts, 8) what each part of each class dissipates in this step
-    foreign: np.ndarray  # (n_threads, capacity) uint32 pairs of each that act on others' particles
+    blocks: Forces  # (n_threads, BLOCK) of the pairs that each thread is at
+    aside: np.ndarray  # (n_threads, 32) rows that nobody reads, see simd.add_loads
+    waits: np.ndarray  # (n_particles,) whether it waits
+    to_j: np.ndarray  # (capacity,) uint32 row that takes the load of a vertex's body, or NOBODY
+    to_i: np.ndarray  # (capacity,) uint32 and of the edge's
+    kept: Loads
+    own: np.ndarray  # (capacity,) uint32 pairs with a load that is kept, each thread's from where
+    # its pairs begin
+    n_own: np.ndarray  # (n_threads, 1 or more) how many
+    foreign: np.ndarray  # (n_threads, capacity) uint32 those of each whose second body is another's
     n_foreign: np.ndarray  # (n_threads, 1 or more) how many
+    sums: np.ndarray  # (2, n_parts, 8) what each part of each class dissipates in this step
     seen: np.ndarray  # (n_threads, 2 or more) whether a particle left its skin, or the silo
     outcome: np.ndarray  # (1,) of the search so far
 
@@ -64,16 +84,16 @@ def advance_shared(world, team, thread, n_steps):
                 return k, team.outcome[0]
         if thread == 0:
             load = take_loads(world)
-        _push(world, team, thread)
+        _push_pairs(world, team, thread)
         arrived = wait(team.clock, n_threads, arrived)
         _deliver(world, team, thread)
-        if thread == 0:
-            _push_walls(world, team)
+        _push_at_walls(world, team, thread)
         first, last = _own_live(world, team, thread)
         far, low = move_live(world, first, last)
         team.seen[thread, 0], team.seen[thread, 1] = far, low
         arrived = wait(team.clock, n_threads, arrived)
         if thread == 0:
+            _push_walls(world, team)
             end_step(world, team.seen[:, 0].any(), team.seen[:, 1].any())
             move_walls(world, load)
         arrived = wait(team.clock, n_threads, arrived)
@@ -102,7 +122,7 @@ def _search(world, team, thread, arrived):
         team.outcome[0] = search_inner(world)
     arrived = wait(team.clock, n_threads, arrived)
     if team.outcome[0] == DONE:
-        _name_to_others(world, team, thread)
+        arrived = _share_out(world, team, thread, arrived)
     return arrived
 
 
@@ -116,79 +136,144 @@ def _own_live(world, team, thread):
     )
 
 
-@inner
-def _name_to_others(world, team, thread):
-    """Name the pairs of a thread that act on others' particles."""
-    inner = world.inner
-    team.n_foreign[thread, 0] = 0
-    first, last = (
-        world.first_pair[0, team.parts[thread]],
-        world.first_pair[0, team.parts[thread + 1]],
-    )
+@inlined
+def _share_out(world, team, thread, arrived):
+    """Choose where the loads of a thread's pairs go; arrived."""
+    n_threads, inner = len(team.n_foreign), world.inner
+    first, last = _own_pairs(world, team, thread, 0)
+    own_end = team.bounds[thread + 1]
+    team.waits[team.bounds[thread] : own_end] = False
+    arrived = wait(team.clock, n_threads, arrived)
     for n in range(first, last):
         second = max(inner.vertex_body[n], inner.edge_body[n])
-        if second >= team.bounds[thread + 1]:
-            team.foreign[thread, team.n_foreign[thread, 0]] = n
-            team.n_foreign[thread, 0] += 1
+        if second >= own_end:
+            team.waits[second] = True
+    arrived = wait(team.clock, n_threads, arrived)
+    _choose_rows(world, team, thread, first, last)
+    for n in range(*_own_pairs(world, team, thread, 1)):
+        team.to_j[n] = _unless(inner.vertex_body[n], inner.vertex_body[n] >= len(world.bodies.live))
+        team.to_i[n] = _unless(inner.edge_body[n], inner.edge_body[n] >= len(world.bodies.live))
+    return arrived
 
 
 @inner
-def _push(world, team, thread):
-    """Forces of a thread's pairs, and what they dissipate."""
-    for part in range(team.parts[thread], team.parts[thread + 1]):
-        first, last = world.first_pair[0, part], world.first_pair[0, part + 1]
-        _push_class(world, team.forces, world.particle_law, first, last, team.sums[0, part])
-        first, last = world.first_pair[1, part], world.first_pair[1, part + 1]
-        _push_class(world, team.forces, world.wall_law, first, last, team.sums[1, part])
-
-
-@inner
-def _push_class(world, forces, law, first, last, sums):
-    """Forces of pairs first ... last - 1, of one law; sums (8,): by mechanism."""
-    for begin in range(first, last, BLOCK):
-        end = min(begin + BLOCK, last)
-        block = Forces(
-            forces.fx[begin:end], forces.fy[begin:end], forces.torque_j[begin:end],
-            forces.torque_i[begin:end], forces.normal_power[begin:end],
-            forces.tangential_power[begin:end], forces.lost[begin:end],
-        )  # fmt: skip
-        contact_forces(
-            world.bodies.row, world.inner, block, law, begin, end - begin, world.time_step
-        )
-    normal = tangential = lost = 0.0
+def _choose_rows(world, team, thread, first, last):
+    """Choose the rows of pairs first ... last - 1, and name those with a load that is kept."""
+    inner, own_end = world.inner, team.bounds[thread + 1]
+    n_own, n_foreign = np.int64(0), np.int64(0)
     for n in range(first, last):
-        normal += forces.normal_power[n]
-        tangential += forces.tangential_power[n]
-        lost += forces.lost[n]
-    sums[0], sums[1], sums[2] = normal, tangential, lost
+        j, i = inner.vertex_body[n], inner.edge_body[n]
+        team.to_j[n] = _unless(j, j >= own_end or team.waits[j])
+        team.to_i[n] = _unless(i, i >= own_end or team.waits[i])
+        if team.to_j[n] == NOBODY or team.to_i[n] == NOBODY:
+            team.own[first + n_own] = n
+            n_own += 1
+        if max(i, j) >= own_end:
+            team.foreign[thread, n_foreign] = n
+            n_foreign += 1
+    team.n_own[thread, 0], team.n_foreign[thread, 0] = n_own, n_foreign
+
+
+@inlined
+def _unless(body, is_kept):
+    return NOBODY if is_kept else body
+
+
+@inlined
+def _own_pairs(world, team, thread, which):
+    """Return where a thread's pairs of a class, 0 or 1, begin and end."""
+    first_pair, parts = world.first_pair, team.parts
+    return first_pair[which, parts[thread]], first_pair[which, parts[thread + 1]]
+
+
+@inner
+def _push_pairs(world, team, thread):
+    """Loads of a thread's pairs of particles, and what they dissipate."""
+    first, _ = _own_pairs(world, team, thread, 0)
+    m, end_of_kept = first, first + team.n_own[thread, 0]
+    for part in range(team.parts[thread], team.parts[thread + 1]):
+        begins, last = world.first_pair[0, part], world.first_pair[0, part + 1]
+        sums = 0.0, 0.0, 0.0
+        for begin in range(begins, last, BLOCK):
+            n_pairs = min(last - begin, BLOCK)
+            block, sums = _push_block(world, team, thread, world.particle_law, begin, n_pairs, sums)
+            while m < end_of_kept and team.own[m] < begin + n_pairs:
+                _keep(team.kept, team.own[m], block, team.own[m] - begin)
+                m += 1
+        team.sums[0, part, 0], team.sums[0, part, 1], team.sums[0, part, 2] = sums
+
+
+@inner
+def _push_at_walls(world, team, thread):
+    """Loads of a thread's pairs with walls, kept for the walls, and what they dissipate."""
+    for part in range(team.parts[thread], team.parts[thread + 1]):
+        begins, last = world.first_pair[1, part], world.first_pair[1, part + 1]
+        sums = 0.0, 0.0, 0.0
+        for begin in range(begins, last, BLOCK):
+            n_pairs = min(last - begin, BLOCK)
+            block, sums = _push_block(world, team, thread, world.wall_law, begin, n_pairs, sums)
+            for k in range(n_pairs):
+                _keep(team.kept, begin + k, block, k)
+        team.sums[1, part, 0], team.sums[1, part, 1], team.sums[1, part, 2] = sums
+
+
+@inlined
+def _push_block(world, team, thread, law, begin, n_pairs, sums):
+    """Add the loads of a block that are not kept; the block, and the sums with its own."""
+    blocks, row = team.blocks, world.bodies.row
+    block = Forces(
+        blocks.fx[thread], blocks.fy[thread], blocks.torque_j[thread], blocks.torque_i[thread],
+        blocks.normal_power[thread], blocks.tangential_power[thread], blocks.lost[thread],
+    )  # fmt: skip
+    contact_forces(row, world.inner, block, law, begin, n_pairs, world.time_step)
+    sums = add_loads(row, team.aside[thread], team.to_j, team.to_i, block, begin, n_pairs, sums)
+    return block, sums
+
+
+@inlined
+def _keep(kept, n, block, k):
+    """Keep the load of pair n, number k of a block."""
+    kept.fx[n], kept.fy[n] = block.fx[k], block.fy[k]
+    kept.torque_j[n], kept.torque_i[n] = block.torque_j[k], block.torque_i[k]
 
 
 @inner
 def _deliver(world, team, thread):
-    """Add the forces on a thread's particles up."""
-    row, inner, forces = world.bodies.row, world.inner, team.forces
+    """Add the loads that were kept to the particles of a thread."""
+    row, inner, kept = world.bodies.row, world.inner, team.kept
     begins, ends = team.bounds[thread], team.bounds[thread + 1]
     for other in range(thread):
         for k in range(team.n_foreign[other, 0]):
-            _add(row, inner, forces, team.foreign[other, k], begins, ends)
-    for which in range(2):
-        first = world.first_pair[which, team.parts[thread]]
-        for n in range(first, world.first_pair[which, team.parts[thread + 1]]):
-            _add(row, inner, forces, n, begins, ends)
+            n = team.foreign[other, k]
+            _add_to_vertex_body(row, inner, kept, n, begins, ends)
+            _add_to_edge_body(row, inner, kept, n, begins, ends)
+    first, _ = _own_pairs(world, team, thread, 0)
+    for m in range(first, first + team.n_own[thread, 0]):
+        n = team.own[m]
+        if team.to_j[n] == NOBODY:
+            _add_to_vertex_body(row, inner, kept, n, begins, ends)
+        if team.to_i[n] == NOBODY:
+            _add_to_edge_body(row, inner, kept, n, begins, ends)
 
 
 @inlined
-def _add(row, inner, forces, n, begins, ends):
-    """Add the force of pair n to those of its bodies that are in a range."""
-    j, i = inner.vertex_body[n], inner.edge_body[n]
+def _add_to_vertex_body(row, inner, kept, n, begins, ends):
+    """Add the load of pair n to the body of its vertex, if it is in a range."""
+    j = inner.vertex_body[n]
     if begins <= j < ends:
-        row[j, FX] += forces.fx[n]
-        row[j, FY] += forces.fy[n]
-        row[j, TORQUE] += forces.torque_j[n]
+        row[j, FX] += kept.fx[n]
+        row[j, FY] += kept.fy[n]
+        row[j, TORQUE] += kept.torque_j[n]
+
+
+@inlined
+def _add_to_edge_body(row, inner, kept, n, begins, ends):
+    """Likewise to that of its edge."""
+    i = inner.edge_body[n]
     if begins <= i < ends:
-        row[i, FX] -= forces.fx[n]
-        row[i, FY] -= forces.fy[n]
-        row[i, TORQUE] += forces.torque_i[n]
+        row[i, FX] -= kept.fx[n]
+        row[i, FY] -= kept.fy[n]
+        row[i, TORQUE] += kept.torque_i[n]
 
 
 @inner
@@ -197,7 +282,8 @@ def _push_walls(world, team):
     row, dt = world.bodies.row, world.time_step
     begins, ends = len(world.bodies.live), len(row)
     for n in range(world.first_pair[1, 0], world.first_pair[1, -1]):
-        _add(row, world.inner, team.forces, n, begins, ends)
+        _add_to_vertex_body(row, world.inner, team.kept, n, begins, ends)
+        _add_to_edge_body(row, world.inner, team.kept, n, begins, ends)
     for which in range(2):
         total = 0.0, 0.0, 0.0
         for part in range(team.sums.shape[1]):
@@ -220,7 +306,14 @@ class SharedSteps:
             clock=clock(),
             parts=parts,
             bounds=world.parts[parts],
-            forces=Forces(*(np.zeros(capacity) for _ in Forces._fields)),
+            blocks=Forces(*(np.zeros((n, BLOCK)) for _ in Forces._fields)),
+            aside=np.zeros((n, 32)),
+            waits=np.zeros(len(world.bodies.live), bool),
+            to_j=np.zeros(capacity, np.uint32),
+            to_i=np.zeros(capacity, np.uint32),
+            kept=Loads(*(np.zeros(capacity) for _ in Loads._fields)),
+            own=np.zeros(capacity, np.uint32),
+            n_own=rows_apart(n, 1),
             sums=np.zeros((2, len(world.parts) - 1, 8)),
             foreign=np.empty((n, capacity), np.uint32),
             n_foreign=rows_apart(n, 1),
