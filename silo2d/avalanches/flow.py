@@ -9,7 +9,6 @@ import numpy as np
 from granulab.campaign.runs.stages import Stages
 from granulab.errors import Stopped
 from silo2d.avalanches.arches import Bed
-from silo2d.case.case import GRAVITY
 from silo2d.engine.simulation import Simulation
 from silo2d.measures.clogging.waits import BINS, bin_of
 from silo2d.run.discharge import LONGEST_LOOK, check_energy_balance, motion, open_door
@@ -28,7 +27,7 @@ class Ledger(Clock):
     """State of a run of avalanches besides the world: kept in the checkpoint.
 
     sizes ... waits     as of the results
-    hollow_since        when what is above the outlet began to be a channel [s]; None before
+    through             particles that left in the present one through a channel above the outlet
     size                particles that left in the present avalanche so far
     begun               when that began; looked: when crossings were noted last; last: when the last
                         particle left, None before the first of the avalanche [s]
@@ -46,7 +45,7 @@ class Ledger(Clock):
     in_vain: int = 0  # the last of them, from which nothing left
     refilled: int = 0
     waits: list[int] = field(default_factory=lambda: [0] * BINS)
-    hollow_since: float | None = None
+    through: int = 0
     opened: bool = False
     size: int = 0
     begun: float = 0.0
@@ -99,7 +98,7 @@ def _look(sim: Simulation, bed: Bed, ledger: Ledger) -> str | None:
         if not blocked(sim, silo, bed.packing):
             return "dead_zones"
         return _clogged(sim, bed, ledger)
-    if _is_rathole(sim, bed, ledger):
+    if _is_rathole(bed, ledger, left, bed.above_outlet(sim)):
         return "rathole"
     if ledger.size >= protocol.largest:
         return _over(bed, ledger, sim, clogged=False)
@@ -108,14 +107,16 @@ def _look(sim: Simulation, bed: Bed, ledger: Ledger) -> str | None:
     return None
 
 
-def _is_rathole(sim: Simulation, bed: Bed, ledger: Ledger) -> bool:
-    """True once the bed above the outlet was a channel for longer than it takes to fall through."""
-    if bed.above_outlet(sim) >= RATHOLE:
-        ledger.hollow_since = None
-        return False
-    if ledger.hollow_since is None:
-        ledger.hollow_since = sim.time
-    return sim.time - ledger.hollow_since > np.sqrt(2 * bed.silo.settings.fill.level / GRAVITY)
+def _is_rathole(bed: Bed, ledger: Ledger, left: int, above: float) -> bool:
+    """True once more has left through a channel above the outlet than would fill it.
+
+    above: see Bed.above_outlet; left: particles since the last look. What stands on a high arch
+    leaves a hollow too, but lets nothing through.
+    """
+    ledger.through = ledger.through + left if above < RATHOLE else 0
+    silo = bed.silo
+    filled = silo.outline.outlet * silo.settings.fill.level / silo.shapes.mean_area
+    return ledger.through > filled
 
 
 def _note(sim: Simulation, ledger: Ledger) -> int:
@@ -162,6 +163,7 @@ def _clogged(sim: Simulation, bed: Bed, ledger: Ledger) -> str | None:
     else:
         bed.shake(sim, which, ledger.breaks)
     ledger.begun, ledger.last, ledger.quiet_since = sim.time, None, None
+    ledger.through = 0
     return None
 
 

@@ -144,30 +144,19 @@ def test_share_above_the_outlet_is_of_particles_between_its_edges_up_to_the_leve
     assert bed.above_outlet(sim) == pytest.approx(sum(areas) / (2 * half * level), rel=1e-12)
 
 
-def test_a_rathole_is_one_once_nothing_stood_in_it_for_a_fall(root, monkeypatch):
-    """Half full, and then less for as long as it takes to fall from the level; full in between."""
+def test_a_rathole_is_one_once_more_left_through_it_than_would_fill_it(root):
+    """Not through a bed, nor of a hollow below an arch that nothing leaves; begun anew in between
+    where a bed filled it."""
     bed = Bed.of(case_in(root.parent), get_packing(case_in(root.parent).silo, root, None))
-    sim, ledger = protocol._at_opening(bed, 0, Stages.of(None), lambda: False), flow.Ledger()
-    fall = np.sqrt(2 * bed.silo.settings.fill.level / GRAVITY)
-    share, begun = flow.RATHOLE, sim.time
-    monkeypatch.setattr(Bed, "above_outlet", lambda *_: share)
-    steps = round(0.3 * fall / sim.time_step)
-
-    def goes_on(times):
-        found = []
-        for _ in range(times):
-            found.append(flow._is_rathole(sim, bed, ledger))
-            sim.run(steps)
-        return found
-
-    assert not any(goes_on(5))
-    share = 0.99 * flow.RATHOLE
-    assert not any(goes_on(3))
-    share = 1.01 * flow.RATHOLE
-    assert not any(goes_on(1))
-    share = 0.99 * flow.RATHOLE
-    assert goes_on(5) == [False] * 4 + [True]
-    assert sim.time > begun
+    silo, ledger = bed.silo, flow.Ledger()
+    full = silo.outline.outlet * silo.settings.fill.level / silo.shapes.mean_area
+    hollow, some = 0.99 * flow.RATHOLE, int(0.6 * full)
+    for left, above, expected in [
+        (some, flow.RATHOLE, False), (some, flow.RATHOLE, False), (some, hollow, False),
+        (0, hollow, False), (0, hollow, False), (some, flow.RATHOLE, False), (some, hollow, False),
+        (some, hollow, True),
+    ]:  # fmt: skip
+        assert flow._is_rathole(bed, ledger, left, above) == expected
 
 
 # Runs
