@@ -31,6 +31,7 @@ class Bed:
     packing: Packing
     surface: Surface
     radii: np.ndarray  # bounding ones of the particles (n,) [m]
+    above: float  # space above the outlet, up to the level of the filling [m2]
     static: tuple[dict[str, np.ndarray], dict[str, Any]]
     wall_names: list[str]
 
@@ -44,6 +45,7 @@ class Bed:
             packing=packing,
             surface=Surface(silo.outline, shapes.bounding_radius, case.protocol.drop),
             radii=np.array([shape.bounding_radius for shape in shapes.shapes])[packing.kinds],
+            above=silo.outline.area_above_outlet(silo.settings.fill.level),
             static=describe(silo, packing),
             wall_names=silo.outline.walls().names,
         )
@@ -56,7 +58,8 @@ class Bed:
         if not len(which):
             return 0
         rng = np.random.default_rng([self.case.settings.run.seed, _REFILLING, before])
-        return put_on(self.surface, sim, which, self.radii, lambda k: rng.uniform(0, 2 * np.pi, k))
+        angles = rng.uniform(0, 2 * np.pi, len(which))
+        return put_on(self.surface, sim, which, self.radii, angles)
 
     def find_arch(self, sim: Simulation) -> Arch | None:
         """The arch that the bed stands on now; None where no chain of contacts is found."""
@@ -77,7 +80,7 @@ class Bed:
         return sim.live[far <= max(outline.outlet, far.min())]
 
     def above_outlet(self, sim: Simulation) -> float:
-        """Share of the area above the outlet, up to the level of the filling, that particles take.
+        """Share of the space above the outlet, up to the level of the filling, that particles take.
 
         By their centroids: right to a particle.
         """
@@ -86,7 +89,7 @@ class Bed:
         there = across & (rows[:, state.Y] > 0) & (rows[:, state.Y] < level)
         areas = np.array([shape.area for shape in self.silo.shapes.shapes])
         taken = areas[self.packing.kinds[sim.live[there]]].sum()
-        return float(taken / (outline.outlet * level))
+        return float(taken / self.above)
 
     def shake(self, sim: Simulation, which: np.ndarray, breaks: int) -> None:
         """Throw particles (k,) in random directions at sqrt(2 g d), d their mean diameter."""

@@ -15,6 +15,8 @@ from silo2d.case.settings import Settings
 
 Breaking = Literal["remove", "shake"]
 AVALANCHES, LARGEST = 50, 2000  # of a run; particles after which an avalanche is cut off
+# Of the protocol besides its numbers: 2 since particles that are put on move as the bed does.
+_REFILLING = 2
 _MOST = 1_000_000  # of either
 _ROOM = 0.25  # of the silo's height that its walls are raised by, for a bed that heaps up ...
 _ROOM_RADII = 10  # ... or so many radii of the largest particle, where that is more
@@ -119,7 +121,8 @@ class AvalancheCase:
 
 def run_digest(case: AvalancheCase) -> str:
     """Names a run: silo, seed and protocol."""
-    return digest({**case.silo.identity(), "avalanches": dataclasses.asdict(case.protocol)})
+    protocol = {**dataclasses.asdict(case.protocol), "refilling": _REFILLING}
+    return digest({**case.silo.identity(), "avalanches": protocol})
 
 
 def expected_avalanche(case: AvalancheCase) -> float:

@@ -27,7 +27,8 @@ class Ledger(Clock):
     """State of a run of avalanches besides the world: kept in the checkpoint.
 
     sizes ... waits     as of the results
-    through             particles that left in the present one through a channel above the outlet
+    through             particles that left since the space above the outlet was last half full, or
+                        since the last break
     size                particles that left in the present avalanche so far
     begun               when that began; looked: when crossings were noted last; last: when the last
                         particle left, None before the first of the avalanche [s]
@@ -78,7 +79,7 @@ def flow(
         ledger.cpu_s += time.process_time() - began
         if outcome:
             if outcome != "whole" and ledger.size:  # what flowed until then counts too
-                _over(bed, ledger, sim, clogged=False)
+                _over(bed, ledger, sim.time, clogged=False)
             return outcome
         if target % saving == 0:
             keep()
@@ -101,7 +102,7 @@ def _look(sim: Simulation, bed: Bed, ledger: Ledger) -> str | None:
     if _is_rathole(bed, ledger, left, bed.above_outlet(sim)):
         return "rathole"
     if ledger.size >= protocol.largest:
-        return _over(bed, ledger, sim, clogged=False)
+        return _over(bed, ledger, sim.time, clogged=False)
     if left == 0 and sim.time - (ledger.last or ledger.begun) > silo.settings.run.max_time:
         return "time_limit"
     return None
@@ -111,12 +112,12 @@ def _is_rathole(bed: Bed, ledger: Ledger, left: int, above: float) -> bool:
     """True once more has left through a channel above the outlet than would fill it.
 
     above: see Bed.above_outlet; left: particles since the last look. What stands on a high arch
-    leaves a hollow too, but lets nothing through.
+    leaves a hollow too, but lets nothing through. Not looked for where there are further outlets,
+    through which particles leave too.
     """
     ledger.through = ledger.through + left if above < RATHOLE else 0
     silo = bed.silo
-    filled = silo.outline.outlet * silo.settings.fill.level / silo.shapes.mean_area
-    return ledger.through > filled
+    return not silo.outline.outlets and ledger.through * silo.shapes.mean_area > bed.above
 
 
 def _note(sim: Simulation, ledger: Ledger) -> int:
@@ -151,7 +152,7 @@ def _clogged(sim: Simulation, bed: Bed, ledger: Ledger) -> str | None:
             ledger.arch_particles.append(len(arch.particles))
             ledger.arch_span.append(arch.span)
             ledger.arch_aspect.append(arch.rise / arch.span)
-        if outcome := _over(bed, ledger, sim, clogged=True):
+        if outcome := _over(bed, ledger, sim.time, clogged=True):
             return outcome
     which = bed.near_outlet(sim) if arch is None else arch.particles
     ledger.breaks += 1
@@ -167,15 +168,15 @@ def _clogged(sim: Simulation, bed: Bed, ledger: Ledger) -> str | None:
     return None
 
 
-def _over(bed: Bed, ledger: Ledger, sim: Simulation, *, clogged: bool) -> str | None:
+def _over(bed: Bed, ledger: Ledger, now: float, *, clogged: bool) -> str | None:
     """Enter an avalanche that has clogged or is cut off; the outcome, once all are there."""
     if not ledger.first:
         ledger.first = [ledger.size, int(clogged)]
     else:
         ledger.sizes.append(ledger.size)
         ledger.cut.append(int(not clogged))
-        ledger.durations.append((ledger.last or sim.time) - ledger.begun)
-    ledger.size, ledger.begun = 0, sim.time
+        ledger.durations.append((ledger.last or now) - ledger.begun)
+    ledger.size, ledger.begun = 0, now
     return "whole" if len(ledger.sizes) == bed.case.protocol.avalanches else None
 
 

@@ -97,6 +97,13 @@ class Outline:
         left, right = self.polygon[:, 0].min(), self.polygon[:, 0].max()
         return float(self.inside.intersection(box(left, 0, right, max(level, 0))).area)
 
+    def area_above_outlet(self, level: float) -> float:
+        """Area [m2] of the inside straight above the outlet, under y = level [m]."""
+        from shapely import box
+
+        (left, low), (right, _) = self.lips
+        return float(self.inside.intersection(box(left, low, right, max(level, low))).area)
+
     def raised(self, by: float) -> "Outline":
         """The same silo with vertical walls of height `by` [m] put on its open top."""
         right = _level_edge(self.polygon, self.height)

@@ -12,7 +12,7 @@ from silo2d.case.filling import USUAL_FRACTION, particles_below
 from silo2d.engine.state import parts_of
 
 # Costs and usual values that the plan is made with.
-_SECONDS_PER_PARTICLE_STEP = 6e-8  # in a bed, on one core of a server of 2024
+_SECONDS_PER_PARTICLE_STEP = 5e-8  # in a bed, on one core of a server of 2024
 _SECONDS_PER_PARTICLE_IMPULSES = 6e-7, 4e-8  # of pymunk: a step, and an iteration in it
 # Cost of a particle that falls, and of one in a bed that flows out (A4 to D4 and A3: 0.67 to 0.83),
 # over that of one in a bed at rest.

@@ -66,7 +66,7 @@ def add_loads(row, aside, to_j, to_i, forces, begin, n_pairs, sums):
     """Add forces and torques of a block to rows of bodies, in the order of the list.
 
     to_j, to_i (capacity,): rows that take the loads of the vertices' and of the edges' bodies;
-    NOBODY where none does. aside: None where that is none of them, else a row that nobody reads.
+    NOBODY where none does. aside: None where every load has its row, else a row that nobody reads.
     Returns what the pairs dissipate, sums that go on with those before: normal and tangential
     damping [W], friction [J].
     """
@@ -82,7 +82,7 @@ def add_loads(row, aside, to_j, to_i, forces, begin, n_pairs, sums):
             lost += forces.lost[m]
     for k in range(fours, n_pairs):
         j, i = to_j[begin + k], to_i[begin + k]
-        if aside is None:
+        if aside is None:  # without looking whose load is kept, which takes a step a tenth longer
             row[j, FX] += forces.fx[k]
             row[j, FY] += forces.fy[k]
             row[j, TORQUE] += forces.torque_j[k]

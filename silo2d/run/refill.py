@@ -1,15 +1,16 @@
 """Refilling: particles are put at the lowest places of a bed's surface, and move as it does."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
+from silo2d.case.case import GRAVITY
 from silo2d.case.outline import Outline
 from silo2d.engine import state
 from silo2d.engine.simulation import Simulation
 
 _COLUMNS = 4  # that are looked at, a radius of the largest particle
+_NOTHING = 1e-12  # [m/s]
 _CLEAR = 1.01  # distance of bounding circles, over the sum of their radii
 
 
@@ -65,14 +66,14 @@ class Surface:
 
 
 def put_on(
-    surface: Surface, sim: Simulation, which: np.ndarray, radii: np.ndarray,
-    angles: Callable[[int], np.ndarray],
-) -> int:  # fmt: skip
+    surface: Surface, sim: Simulation, which: np.ndarray, radii: np.ndarray, angles: np.ndarray
+) -> int:
     """Put particles (k,), inside or gone, on the surface of the others; how many found room.
 
-    radii: bounding ones of all particles (n,) [m]; angles: gives those of so many [rad]. Each moves
-    as the particle next to it does. Put at rest it would stay behind a surface that sinks, and what
-    is put on next behind it: of a fast flow such a column of falling particles would be left.
+    radii: bounding ones of all particles (n,) [m]; angles: of those to be put (k,) [rad]. Each
+    moves as the particle nearest to it does, at most as fast as one is that fell from there to the
+    outlet. Particles that were put at rest stayed behind a sinking surface, and those put next
+    behind them: above a wide outlet only a column of falling particles was left.
     """
     others = np.setdiff1d(sim.live, which)
     centres = sim.rows[others][:, [state.X, state.Y]]
@@ -84,7 +85,10 @@ def put_on(
     if len(others):
         apart = ((places[:, None] - centres) ** 2).sum(axis=2)
         velocity = sim.rows[others[apart.argmin(axis=1)]][:, [state.UX, state.UY]]
-    sim.put(put, np.column_stack([places, angles(len(put))]))
+        fastest = np.sqrt(2 * GRAVITY * np.maximum(places[:, 1], 0.0))
+        speed = np.hypot(*velocity.T)
+        velocity *= (np.minimum(speed, fastest) / np.maximum(speed, _NOTHING))[:, None]
+    sim.put(put, np.column_stack([places, angles[: len(put)]]))
     sim.push(put, velocity)
     return len(put)
 

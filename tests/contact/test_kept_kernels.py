@@ -1,14 +1,16 @@
 """Compiled kernels on disk: damaged ones are made again, a full disk costs their compilation."""
 
+import collections
 import errno
 import importlib.util
 from pathlib import Path
 
 import numpy as np
 import pytest
+from numba import types
 
 from granulab.contact.compiled import kept
-from granulab.contact.compiled.handed import handed
+from granulab.contact.compiled.handed import Handed, handed
 from granulab.contact.compiled.linked import LinkedLibrary
 
 KERNEL = """
@@ -19,6 +21,7 @@ def added(a, b):
     return a + b
 """
 
+World = collections.namedtuple("World", ["law"])
 
 INNER = """
 from granulab.contact.jit import inner, njit
@@ -148,6 +151,19 @@ def test_what_only_kernels_call_is_linked_into_them_and_kept_for_others(loaded, 
     assert not again.twice.overloads  # what takes it in was kept with it
     assert again.first(2.0) == 9.0
     assert sum(again.first.stats.cache_hits.values()) == 1
+
+
+def test_tuples_of_two_classes_of_one_name_are_handed_on_as_two_types():
+    """As motions or laws may be that were registered from two files."""
+    worlds = []
+    for _ in range(2):
+        law = collections.namedtuple("Numbers", ["stiffness"])
+        worlds.append(types.NamedTuple([types.NamedTuple([types.float64], law)], World))
+    first, second = map(Handed, worlds)
+    assert str(worlds[0]) == str(worlds[1])
+    assert first != second
+    assert second[0].instance_class is not first[0].instance_class
+    assert Handed(worlds[0]) == first
 
 
 @pytest.mark.parametrize("call", ["first", "by_value"])

@@ -23,7 +23,7 @@ from silo2d.case.case import SiloCase
 from silo2d.case.outline import hopper, outline_from_polygon
 from silo2d.engine import state
 from silo2d.run.protocol import get_packing
-from silo2d.run.refill import Surface
+from silo2d.run.refill import Surface, put_on
 
 # Rough particles over an outlet of three of them: they clog after ten or so.
 ROUGH = {
@@ -58,6 +58,13 @@ def root(whole, tmp_path):
     """A folder of runs that has the packing."""
     shutil.copytree(whole[0] / "runs" / "packings", tmp_path / "runs" / "packings")
     return tmp_path / "runs"
+
+
+def stop_in_avalanches(says):
+    """A stop that `says` so from the opening on, with the progress that it goes by."""
+    stop = DischargeStop(says)
+    stop.progress = lambda fraction, text: setattr(stop, "_is_open", "avalanches" in text)
+    return stop
 
 
 def bits(result):
@@ -128,6 +135,36 @@ def test_a_particle_that_is_put_elsewhere_takes_its_energy_along():
     )
 
 
+def test_particles_put_on_move_as_those_nearest_to_them_do():
+    """And keep the energy: E + carried out + dissipated stays. None is faster than what fell from
+    there to the outlet, and in an empty silo all are at rest."""
+    block, silo = scenes.block(20e-3, 10e-3), hopper(0.0, 0.06, 0.2, 0.4, "wide")
+    poses = [(-0.06, 5e-3, 0.0), (0.06, 5e-3, 0.0), (-0.06, 0.3, 0.0), (0.06, 0.3, 0.0)]
+    sim = simulation_in(silo, [block] * 4, poses, STICKY)
+    radius = block.bounding_radius
+    surface, radii, angles = Surface(silo, radius), np.full(4, radius), np.zeros(2)
+    sim.push(np.array([0, 1]), np.array([[0.1, -0.2], [-30.0, 40.0]]))
+
+    def total():
+        table = sim.energies()
+        held = sum(table[k] for k in ("kinetic", "potential", "elastic_normal",
+                                      "elastic_tangential", "carried_out"))  # fmt: skip
+        return held + sim.world.account[: state.CARRIED_OUT].sum()
+
+    before = total()
+    assert put_on(surface, sim, np.array([2, 3]), radii, angles) == 2
+    assert total() == pytest.approx(before, rel=1e-12)
+    for put in (2, 3):
+        x, y, vx, vy = sim.rows[put][[state.X, state.Y, state.UX, state.UY]]
+        nearest = int(x > 0)
+        assert np.hypot(x - sim.rows[nearest][state.X], y - 5e-3) < 0.1
+        fastest = np.sqrt(2 * GRAVITY * y)
+        expected = [(0.1, -0.2), (-0.6 * fastest, 0.8 * fastest)][nearest]
+        assert (vx, vy) == pytest.approx(expected, rel=1e-12)
+    assert put_on(surface, sim, sim.live, radii, np.zeros(4)) == 4
+    assert not sim.rows[:4, [state.UX, state.UY]].any()
+
+
 def test_share_above_the_outlet_is_of_particles_between_its_edges_up_to_the_level(root):
     """Three of them; not the one beside its edge, above the level or below the outlet."""
     bed = Bed.of(case_in(root.parent), get_packing(case_in(root.parent).silo, root, None))
@@ -149,7 +186,7 @@ def test_a_rathole_is_one_once_more_left_through_it_than_would_fill_it(root):
     where a bed filled it."""
     bed = Bed.of(case_in(root.parent), get_packing(case_in(root.parent).silo, root, None))
     silo, ledger = bed.silo, flow.Ledger()
-    full = silo.outline.outlet * silo.settings.fill.level / silo.shapes.mean_area
+    full = bed.above / silo.shapes.mean_area
     hollow, some = 0.99 * flow.RATHOLE, int(0.6 * full)
     for left, above, expected in [
         (some, flow.RATHOLE, False), (some, flow.RATHOLE, False), (some, hollow, False),
@@ -202,6 +239,20 @@ def test_mass_and_level_are_kept(whole):
     assert ledger.refilled > ledger.first[0]  # those of the arch too
 
 
+def test_a_run_whose_bed_is_a_rathole_ends_there(root, monkeypatch):
+    """What left until then counts as cut; stopped on the way it ends alike."""
+    monkeypatch.setattr(flow, "RATHOLE", 1.1)  # any bed is one
+    case = case_in(root.parent, avalanches=40)
+    found = protocol.run(case, out=root)
+    assert found.outcome == "rathole"
+    again = root.parent / "again"
+    shutil.copytree(root / "packings", again / "packings")
+    stop = stop_in_avalanches(lambda: True)
+    with pytest.raises(Stopped):
+        protocol.run(case, out=again, progress=stop.progress, stop=stop)
+    assert bits(protocol.run(case, out=again)) == bits(found)
+
+
 def test_bed_stays_filled_however_fast_the_flow(root):
     """An outlet of eight particles: what is above it stays as dense as flows are. Particles that
     were put at rest stayed behind a surface that sank, and the next behind them: a rathole."""
@@ -224,8 +275,7 @@ def test_bed_stays_filled_however_fast_the_flow(root):
 def test_a_run_stopped_many_times_ends_with_the_same_bits(whole, root):
     *_, found = whole
     chance, stops, result = random.Random(5), 0, None
-    stop = DischargeStop(lambda: chance.random() < 0.05)
-    stop.progress = lambda fraction, text: setattr(stop, "_is_open", "avalanches" in text)
+    stop = stop_in_avalanches(lambda: chance.random() < 0.05)
     while result is None:
         try:
             result = protocol.run(case_in(root.parent), out=root, progress=stop.progress, stop=stop)

@@ -26,8 +26,7 @@ def silo(vibrates):
     sim = simulation_of(
         [block(9e-3, 4e-3)] * len(poses), poses, walls=walls, time_step=5e-6, gravity=G
     )
-    parts = np.arange(PARTS + 1) * sim.n_particles // PARTS
-    sim.world = sim.world._replace(parts=parts, first_pair=np.zeros((2, PARTS + 1), np.int64))
+    cut(sim, PARTS)
     sim.run(6000)
     if vibrates:
         sim.remove_wall(DOOR)
@@ -37,9 +36,15 @@ def silo(vibrates):
     return sim
 
 
+def cut(sim, n_parts):
+    """Cut a bed into so many parts."""
+    parts = np.arange(n_parts + 1) * sim.n_particles // n_parts
+    sim.world = sim.world._replace(parts=parts, first_pair=np.zeros((2, n_parts + 1), np.int64))
+
+
 def gone_on(sim, n_threads):
     """All that is kept of a silo but how often it was searched, after steps by so many threads."""
-    assert sim.share(n_threads) == min(n_threads, PARTS)
+    assert sim.share(n_threads) == n_threads
     for _ in range(80):
         sim.run(STEPS // 80)
         sim.world.counts[state.STALE] = 1
@@ -56,3 +61,28 @@ def test_no_bit_of_a_silo_depends_on_the_number_of_threads(vibrates, n_threads):
     found = gone_on(silo(vibrates), n_threads)
     for what, array in expected.items():
         assert np.array_equal(found[what], array, equal_nan=True), what
+
+
+def test_a_part_of_several_blocks_is_shared():
+    """A wall of bricks in two parts, of hundreds of pairs each: forces of a block are kept in its
+    place, also beyond the first."""
+
+    def wall():
+        x, y = np.meshgrid(4.7e-3 + 9.2e-3 * np.arange(6), 2.003e-3 + 4.003e-3 * np.arange(30))
+        poses = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+        walls = np.array([[[0.0, 0.2], [0.0, 0.0]], [[0.0, 0.0], [0.0556, 0.0]],
+                          [[0.0556, 0.0], [0.0556, 0.2]]])  # fmt: skip
+        sim = simulation_of(
+            [block(9e-3, 4e-3)] * len(poses), poses, walls=walls, time_step=1e-6, gravity=G
+        )
+        cut(sim, 2)
+        return sim
+
+    sims = wall(), wall()
+    for n_threads, sim in enumerate(sims, start=1):
+        assert sim.share(n_threads) == n_threads
+        sim.run(4000)
+    one, two = (sim.save() for sim in sims)
+    assert np.diff(sims[1].world.first_pair[0]).min() > 1.5 * state.BLOCK
+    for what, array in one.items():
+        assert np.array_equal(two[what], array, equal_nan=True), what

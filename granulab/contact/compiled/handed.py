@@ -3,7 +3,9 @@
 To numba an array is seven numbers and a tuple all of its arrays: a function that takes a world of a
 hundred arrays has 700 arguments, and where it calls another it hands on 700, which takes longer to
 compile than most functions. `handed(world)` puts the tuple on the stack, and a pointer stands for
-it from there on. Fields are read as those of the tuple are.
+it from there on. Fields are read as those of the tuple are. Only for functions that count no
+references (jit.uncounted and its like), and not to be returned or kept: it lives as long as the
+function that put it there.
 
 For what is seldom called (searches, samples). In the passes over contacts it costs half as much
 time again: of arrays that are read from memory LLVM does not know that they do not overlap.
@@ -33,6 +35,11 @@ class Handed(types.Type):
     def __init__(self, whole: Any) -> None:
         self.dtype = whole  # what numba's model of pointers calls that which they point to
         super().__init__(name=f"Handed({whole})")
+
+    @property
+    def key(self) -> Any:
+        """The tuple's own type: two classes of one name are two."""
+        return self.dtype
 
     @property
     def fields(self) -> Any:

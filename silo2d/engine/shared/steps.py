@@ -58,7 +58,7 @@ class Team(NamedTuple):
     bounds: np.ndarray  # (n_threads + 1,) where the particles of each begin
     blocks: Forces  # (n_threads, BLOCK) of the pairs that each thread is at
     aside: np.ndarray  # (n_threads, 32) rows that nobody reads, see simd.add_loads
-    waits: np.ndarray  # (n_particles,) whether it waits
+    waits: np.ndarray  # (n_particles,) whether each waits
     to_j: np.ndarray  # (capacity,) uint32 row that takes the load of a vertex's body, or NOBODY
     to_i: np.ndarray  # (capacity,) uint32 and of the edge's
     kept: Loads

@@ -141,5 +141,4 @@ class Acts:
         if not len(wanted):
             return
         radii = np.array([shape.bounding_radius for shape in self.case.shapes.shapes])
-        angles = sim.poses()[wanted, 2]
-        put_on(surface, sim, wanted, radii[self.packing.kinds], lambda k: angles[:k])
+        put_on(surface, sim, wanted, radii[self.packing.kinds], sim.poses()[wanted, 2])
