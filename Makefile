@@ -105,7 +105,7 @@ reproduce: $(VENV)/installed ## every published table beside ours, into docs/res
 # Flat silo of the paper's width, filled as high as it is wide; discs take the step that the others
 # choose (their energy hardly closes where nothing flows, and the chosen step would be a quarter).
 CLOG = $(BIN)/silo2d clog --out $(RUNS) --fill-level "300 mm"
-clogging: $(VENV)/installed ## clogging as statistics: six shapes, 1,000 avalanches each, and A to D (6 to 12 h)
+clogging: $(VENV)/installed ## clogging as statistics: six shapes, 1,000 avalanches each, and A to D (7 to 14 h)
 	for shapes in wood19 triangle square pentagon hexagon "disc --time-step 5us"; do \
 		$(CLOG) D3 --shapes $$shapes --outlets "45 mm,50 mm,55 mm,60 mm,70 mm" --seeds 5 \
 			--avalanches 40 --largest 1000 --write docs/results/silo2d/clogging || exit 1; \

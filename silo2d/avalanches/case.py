@@ -22,7 +22,7 @@ _ROOM = 0.25  # of the silo's height that its walls are raised by, for a bed tha
 _ROOM_RADII = 10  # ... or so many radii of the largest particle, where that is more
 # Mean avalanche of the wood's particles, A exp(C (D/d)^2), as the committed study found it: for
 # estimates of cost alone (docs/results/silo2d/clogging/clog-D3-wood19.txt).
-_USUAL_A, _USUAL_C = 4.1, 0.12
+_USUAL_A, _USUAL_C = 2.5, 0.16
 
 
 @dataclass(frozen=True)

@@ -350,7 +350,7 @@ def test_rows_that_are_kept_are_not_run_and_those_of_other_options_are_refused(w
     assert again.code == 0, again.err
     assert again.json["outlets"] == table["outlets"]
     assert not list(tmp_path.glob("*-seed*"))
-    assert read_results(file)[0]["kept"].startswith("1 rows of ")
+    assert read_results(str(file))[0]["kept"].startswith("1 rows of ")
     for other in (("--drop", "1 mm"), ("--largest", "900"), ("--mu-wall", "0.3")):
         assert_refused(silo2d(*words, *other), f"--add: {file} was made by", "another silo")
     text = file.read_text()

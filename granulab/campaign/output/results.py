@@ -73,12 +73,15 @@ def origin_words(lines: Sequence[str]) -> dict[str, str]:
     return {word: text for word, _, text in parts}
 
 
-def read_results(path: Path, by: str = "the command reproduce") -> tuple[dict[str, str], list[Row]]:
+def read_results(
+    path: str | Path, by: str = "the command reproduce"
+) -> tuple[dict[str, str], list[Row]]:
     """Return the origin of a CSV or Parquet file, by word (see origin_words), and its rows.
 
     Numbers are numbers again, and what a run does not have is None. FolderError where the file
     is missing or is no such table; by: what makes it.
     """
+    path = Path(path)
     try:
         if path.suffix == ".parquet":
             return read_parquet(path)

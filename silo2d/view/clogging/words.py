@@ -129,7 +129,7 @@ def _threshold(found: Mapping[str, Any]) -> list[str]:
 
 
 def _ratholes(found: Mapping[str, Any]) -> list[str]:
-    """What ended runs before their time."""
+    """Outlets at which runs ended before their time."""
     return [
         f"{one['ratholes']} of the runs at {1e3 * one['outlet_m']:g} mm ended in a rathole: their "
         "beds stood around a channel, through which what is put on top falls"
