@@ -97,7 +97,7 @@ def expected_cpu_s(case: DamperCase) -> tuple[float, float]:
 
 def compiling(case: DamperCase) -> tuple[float, int]:
     """About what the kernels of a case cost to compile [s of CPU], and how many functions."""
-    return (20.0, 230) if case.of_spheres else (40.0, 301)
+    return (25.0, 217) if case.of_spheres else (45.0, 277)
 
 
 def checkpoint_interval(case: DamperCase, work: float = CHECKPOINT_WORK) -> int:

@@ -20,7 +20,6 @@ from damper3d.engine.motions.turning import turns, twists
 from damper3d.engine.neighbours import search_pairs, search_walls
 from damper3d.engine.state import DONE, STALE_INNER, STALE_WALL, STEP
 from damper3d.engine.walls import drive_walls
-from granulab.contact.compiled.handed import handed
 from granulab.contact.jit import inlined_inner, inner, specialised, uncounted
 
 
@@ -37,7 +36,7 @@ def take_steps(world, n_steps):
     shift, speed = enclosure_at(world.shaker, direction, world.counts[STEP] * dt)
     for taken in range(n_steps):
         if world.counts[STALE_INNER] or world.counts[STALE_WALL]:
-            outcome = search(handed(world), shift)
+            outcome = search(world, shift)
             if outcome != DONE:
                 return taken, outcome
         before = force_so_far(world)
@@ -60,7 +59,7 @@ def advance_together(worlds, n_steps):
     for taken in range(n_steps):
         for k, world in enumerate(worlds):
             if outcome == DONE:
-                outcome, which = search(handed(world), place_now(world)[0]), k
+                outcome, which = search(world, place_now(world)[0]), k
         if outcome != DONE:
             return taken, outcome, which
         for world in worlds:
@@ -84,7 +83,6 @@ def place_now(world):
 @uncounted
 def search(world, shift):
     """Make stale lists again; DONE, or what is wrong."""
-    world = handed(world)
     counts = world.counts
     if counts[STALE_INNER]:
         outcome = search_pairs(world, shift)

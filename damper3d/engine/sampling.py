@@ -51,7 +51,6 @@ from damper3d.engine.state import (
     YIELD,
 )
 from damper3d.engine.walls import place_wall
-from granulab.contact.compiled.handed import handed
 from granulab.contact.hertz import mindlin_force, spring_energy
 from granulab.contact.jit import inner, specialised, uncounted
 from granulab.contact.vectors import scale
@@ -73,17 +72,16 @@ def advance_sampling(world, steps_per_sample, rows):
         taken, outcome = take_steps(world, steps_per_sample)
         if outcome == DONE:
             now = world.counts[STEP] * world.time_step
-            outcome = search(handed(world), enclosure_at(world.shaker, world.direction, now)[0])
+            outcome = search(world, enclosure_at(world.shaker, world.direction, now)[0])
         if outcome != DONE:
             return k, taken, outcome
-        sample(handed(world), steps_per_sample, rows[k])
+        sample(world, steps_per_sample, rows[k])
     return len(rows), np.int64(0), DONE
 
 
 @uncounted
 def sample(world, steps, row):
     """One row; forces on the walls are means over the steps since the last."""
-    world = handed(world)
     now = world.counts[STEP] * world.time_step
     d = world.direction
     shift, speed = enclosure_at(world.shaker, d, now)
@@ -195,7 +193,6 @@ def list_contacts(world, particles, numbers):
     particles (capacity, 2): spheres, and walls numbered after them; numbers (capacity,
     N_CONTACT_COLUMNS): force on the second, normal towards it, point in the laboratory, overlap.
     """
-    world = handed(world)
     spheres, block, walls, dt = world.spheres, world.block, world.walls, world.time_step
     now = world.counts[STEP] * dt
     shift, speed = enclosure_at(world.shaker, world.direction, now)

@@ -136,8 +136,9 @@ def clogging() -> Case:
     """Mean avalanches of the wood's outlines over a flat floor."""
     head, found = read_results(RESULTS / "silo2d/clogging/clog-D3-wood19.csv", "silo2d clog")
     setup, rows, variants = _silo_setup(SiloCase.load("D3")), [], []
-    setup["fill"]["level_m"] = float(re.search(r"'([\d.]+) mm' D3", head["command"])[1]) / 1e3
-    setup["refill"] = "what left is put back on the surface at rest; an arch is removed likewise"
+    level = re.search(r"--fill-level '([\d.]+) mm'", head["command"])[1]
+    setup["fill"]["level_m"] = float(level) / 1e3
+    setup["refill"] = "what left is put on the surface, as fast as the nearest; so is a broken arch"
     for outlet in sorted({row["outlet_m"] for row in found}):
         label = f"{1e3 * outlet:g} mm"
         own = [row for row in found if row["outlet_m"] == outlet]

@@ -1,16 +1,12 @@
 """Compiled kernels on disk: damaged ones are made again, a full disk costs their compilation."""
 
-import collections
 import errno
 import importlib.util
 from pathlib import Path
 
-import numpy as np
 import pytest
-from numba import types
 
 from granulab.contact.compiled import kept
-from granulab.contact.compiled.handed import Handed, handed
 from granulab.contact.compiled.linked import LinkedLibrary
 
 KERNEL = """
@@ -21,7 +17,6 @@ def added(a, b):
     return a + b
 """
 
-World = collections.namedtuple("World", ["law"])
 
 INNER = """
 from granulab.contact.jit import inner, njit
@@ -41,39 +36,6 @@ def first(a):
 @njit
 def second(a):
     return fourfold(a) - 1.0
-"""
-
-HANDED = """
-from typing import Any, NamedTuple
-from granulab.contact.compiled.handed import handed
-from granulab.contact.jit import inner, uncounted
-
-class Within(NamedTuple):
-    rows: Any
-    law: Any
-
-class World(NamedTuple):
-    number: float
-    within: Within
-    counts: Any
-    left_out: Any
-
-@inner
-def counted(world, k):
-    world.counts[k] += 1
-    return world.number * world.within.rows[k, 1] + world.within.law[1]
-
-@inner
-def again(world):
-    return counted(handed(world), 0) - counted(world, 1)
-
-@uncounted
-def first(world):
-    return again(handed(world))
-
-@uncounted
-def by_value(world):
-    return again(world)
 """
 
 
@@ -151,30 +113,3 @@ def test_what_only_kernels_call_is_linked_into_them_and_kept_for_others(loaded, 
     assert not again.twice.overloads  # what takes it in was kept with it
     assert again.first(2.0) == 9.0
     assert sum(again.first.stats.cache_hits.values()) == 1
-
-
-def test_tuples_of_two_classes_of_one_name_are_handed_on_as_two_types():
-    """As motions or laws may be that were registered from two files."""
-    worlds = []
-    for _ in range(2):
-        law = collections.namedtuple("Numbers", ["stiffness"])
-        worlds.append(types.NamedTuple([types.NamedTuple([types.float64], law)], World))
-    first, second = map(Handed, worlds)
-    assert str(worlds[0]) == str(worlds[1])
-    assert first != second
-    assert second[0].instance_class is not first[0].instance_class
-    assert Handed(worlds[0]) == first
-
-
-@pytest.mark.parametrize("call", ["first", "by_value"])
-def test_a_tuple_that_is_handed_on_by_its_place_has_the_fields_of_the_tuple(loaded, tmp_path, call):
-    """2 (5 - 1) = 8 with each field from where it lies, kept on disk and not; Python likewise."""
-    (tmp_path / "kernel_of_a_test.py").write_text(HANDED, encoding="utf-8")
-    rows = np.arange(8.0).reshape(2, 4)[:, ::2][::-1] + np.array([[0.0, -1.0]])
-    for _ in range(2):
-        module = loaded.module()
-        counts = np.zeros(2, int)
-        world = module.World(2.0, module.Within(rows, (True, 0.5)), counts, None)
-        assert getattr(module, call)(world) == 2.0 * (rows[0, 1] - rows[1, 1]) == 8.0
-        assert counts.tolist() == [1, 1]
-        assert handed(world) is world

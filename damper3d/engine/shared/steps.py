@@ -65,7 +65,6 @@ from damper3d.engine.state import (
 )
 from damper3d.engine.walls import place_wall
 from damper3d.engine.world import block
-from granulab.contact.compiled.handed import handed
 from granulab.contact.compiled.threads import Crew, clock, rows_apart, wait
 from granulab.contact.jit import inlined_inner, inner, specialised, uncounted
 
@@ -144,7 +143,7 @@ def advance_sampling_shared(world, team, thread, steps_per_sample, rows):
         if outcome != DONE:
             return k, taken, outcome
         if thread == 0:
-            sampling.sample(handed(world), steps_per_sample, rows[k])
+            sampling.sample(world, steps_per_sample, rows[k])
         arrived = wait(team.clock, n_threads, arrived)
     return len(rows), np.int64(0), np.int64(DONE)
 
@@ -164,7 +163,7 @@ def _search(world, team, thread, shift, arrived):
         arrived = _search_pairs(world, team, thread, shift, arrived)
     if is_first:
         if team.outcome[0] == DONE:
-            team.outcome[0] = search(handed(world), shift)  # of the walls
+            team.outcome[0] = search(world, shift)  # of the walls
         _share_walls(world, team)
     arrived = wait(team.clock, n_threads, arrived)
     if not is_first:
