@@ -31,6 +31,7 @@ class Bed:
     packing: Packing
     surface: Surface
     radii: np.ndarray  # bounding ones of the particles (n,) [m]
+    areas: np.ndarray  # of the particles (n,) [m2]
     above: float  # space above the outlet, up to the level of the filling [m2]
     static: tuple[dict[str, np.ndarray], dict[str, Any]]
     wall_names: list[str]
@@ -45,6 +46,7 @@ class Bed:
             packing=packing,
             surface=Surface(silo.outline, shapes.bounding_radius, case.protocol.drop),
             radii=np.array([shape.bounding_radius for shape in shapes.shapes])[packing.kinds],
+            areas=np.array([shape.area for shape in shapes.shapes])[packing.kinds],
             above=silo.outline.area_above_outlet(silo.settings.fill.level),
             static=describe(silo, packing),
             wall_names=silo.outline.walls().names,
@@ -87,9 +89,7 @@ class Bed:
         outline, level, rows = self.silo.outline, self.silo.settings.fill.level, sim.rows[sim.live]
         across = np.abs(rows[:, state.X] - outline.outlet_centre) < 0.5 * outline.outlet
         there = across & (rows[:, state.Y] > 0) & (rows[:, state.Y] < level)
-        areas = np.array([shape.area for shape in self.silo.shapes.shapes])
-        taken = areas[self.packing.kinds[sim.live[there]]].sum()
-        return float(taken / self.above)
+        return float(self.areas[sim.live[there]].sum() / self.above)
 
     def shake(self, sim: Simulation, which: np.ndarray, breaks: int) -> None:
         """Throw particles (k,) in random directions at sqrt(2 g d), d their mean diameter."""

@@ -92,17 +92,17 @@ class Outline:
 
     def area_below(self, level: float) -> float:
         """Area [m2] of the inside under y = level [m]."""
-        from shapely import box
-
-        left, right = self.polygon[:, 0].min(), self.polygon[:, 0].max()
-        return float(self.inside.intersection(box(left, 0, right, max(level, 0))).area)
+        return self._area_below(level, self.polygon[:, 0].min(), self.polygon[:, 0].max())
 
     def area_above_outlet(self, level: float) -> float:
         """Area [m2] of the inside straight above the outlet, under y = level [m]."""
+        (left, _), (right, _) = self.lips
+        return self._area_below(level, left, right)
+
+    def _area_below(self, level: float, left: float, right: float) -> float:
         from shapely import box
 
-        (left, low), (right, _) = self.lips
-        return float(self.inside.intersection(box(left, low, right, max(level, low))).area)
+        return float(self.inside.intersection(box(left, 0, right, max(level, 0))).area)
 
     def raised(self, by: float) -> "Outline":
         """The same silo with vertical walls of height `by` [m] put on its open top."""

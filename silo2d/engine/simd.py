@@ -83,12 +83,8 @@ def add_loads(row, aside, to_j, to_i, forces, begin, n_pairs, sums):
     for k in range(fours, n_pairs):
         j, i = to_j[begin + k], to_i[begin + k]
         if aside is None:  # without looking whose load is kept, which takes a step a tenth longer
-            row[j, FX] += forces.fx[k]
-            row[j, FY] += forces.fy[k]
-            row[j, TORQUE] += forces.torque_j[k]
-            row[i, FX] -= forces.fx[k]
-            row[i, FY] -= forces.fy[k]
-            row[i, TORQUE] += forces.torque_i[k]
+            add_to_vertex_body(row, j, forces, k)
+            add_to_edge_body(row, i, forces, k)
         else:
             _add_one(row, j, i, forces, k)
         normal += forces.normal_power[k]
@@ -101,10 +97,22 @@ def add_loads(row, aside, to_j, to_i, forces, begin, n_pairs, sums):
 def _add_one(row, j, i, forces, k):
     """Loads of one pair of a block, to the rows that there are."""
     if j != NOBODY:
-        row[j, FX] += forces.fx[k]
-        row[j, FY] += forces.fy[k]
-        row[j, TORQUE] += forces.torque_j[k]
+        add_to_vertex_body(row, j, forces, k)
     if i != NOBODY:
-        row[i, FX] -= forces.fx[k]
-        row[i, FY] -= forces.fy[k]
-        row[i, TORQUE] += forces.torque_i[k]
+        add_to_edge_body(row, i, forces, k)
+
+
+@uncounted
+def add_to_vertex_body(row, j, loads, k):
+    """Add load k to row j, of the vertex's body."""
+    row[j, FX] += loads.fx[k]
+    row[j, FY] += loads.fy[k]
+    row[j, TORQUE] += loads.torque_j[k]
+
+
+@uncounted
+def add_to_edge_body(row, i, loads, k):
+    """Add load k to row i, of the edge's body."""
+    row[i, FX] -= loads.fx[k]
+    row[i, FY] -= loads.fy[k]
+    row[i, TORQUE] += loads.torque_i[k]

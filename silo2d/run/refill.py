@@ -86,8 +86,8 @@ def put_on(
         apart = ((places[:, None] - centres) ** 2).sum(axis=2)
         velocity = sim.rows[others[apart.argmin(axis=1)]][:, [state.UX, state.UY]]
         fastest = np.sqrt(2 * GRAVITY * np.maximum(places[:, 1], 0.0))
-        speed = np.hypot(*velocity.T)
-        velocity *= (np.minimum(speed, fastest) / np.maximum(speed, _NOTHING))[:, None]
+        speed = np.maximum(np.hypot(*velocity.T), _NOTHING)
+        velocity *= np.minimum(1.0, fastest / speed)[:, None]
     sim.put(put, np.column_stack([places, angles[: len(put)]]))
     sim.push(put, velocity)
     return len(put)

@@ -67,6 +67,14 @@ def stop_in_avalanches(says):
     return stop
 
 
+def kept_energy(sim):
+    """What a silo holds, carried out and dissipated: it stays."""
+    table = sim.energies()
+    held = sum(table[k] for k in ("kinetic", "potential", "elastic_normal", "elastic_tangential",
+                                  "carried_out"))  # fmt: skip
+    return held + sim.world.account[: state.CARRIED_OUT].sum()
+
+
 def bits(result):
     return [getattr(result, name) for name in DIGESTS]
 
@@ -111,19 +119,13 @@ def test_a_particle_that_is_put_elsewhere_takes_its_energy_along():
     sim = simulation_in(silo, [block] * 3, poses, STICKY)
     sim.run(60_000)  # 0.12 s: the third has fallen through the outlet
 
-    def total():
-        table = sim.energies()
-        held = sum(table[k] for k in ("kinetic", "potential", "elastic_normal",
-                                      "elastic_tangential", "carried_out"))  # fmt: skip
-        return held + sim.world.account[: state.CARRIED_OUT].sum()
-
     assert sim.live.tolist() == [0, 1]
     assert sim.energies()["elastic_normal"] > 0.0
-    before = total()
+    before = kept_energy(sim)
     sim.push(np.array([1]), np.array([[0.3, 0.2]]))
     assert sim.energies()["kinetic"] == pytest.approx(0.5 * 54 * block.area * 0.13, rel=1e-3)
     sim.put(np.array([0, 1, 2]), np.array([(0.05, 0.1, 0.5), (0.0, 0.2, 1.0), (-0.05, 0.15, 2.0)]))
-    assert total() == pytest.approx(before, rel=1e-9)
+    assert kept_energy(sim) == pytest.approx(before, rel=1e-9)
     assert sim.live.tolist() == [0, 1, 2]
     weight = 54 * block.area * GRAVITY
     assert sim.energies()["potential"] == pytest.approx(0.45 * weight, rel=1e-9)
@@ -145,15 +147,9 @@ def test_particles_put_on_move_as_those_nearest_to_them_do():
     surface, radii, angles = Surface(silo, radius), np.full(4, radius), np.zeros(2)
     sim.push(np.array([0, 1]), np.array([[0.1, -0.2], [-30.0, 40.0]]))
 
-    def total():
-        table = sim.energies()
-        held = sum(table[k] for k in ("kinetic", "potential", "elastic_normal",
-                                      "elastic_tangential", "carried_out"))  # fmt: skip
-        return held + sim.world.account[: state.CARRIED_OUT].sum()
-
-    before = total()
+    before = kept_energy(sim)
     assert put_on(surface, sim, np.array([2, 3]), radii, angles) == 2
-    assert total() == pytest.approx(before, rel=1e-12)
+    assert kept_energy(sim) == pytest.approx(before, rel=1e-12)
     for put in (2, 3):
         x, y, vx, vy = sim.rows[put][[state.X, state.Y, state.UX, state.UY]]
         nearest = int(x > 0)

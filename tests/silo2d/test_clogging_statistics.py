@@ -228,8 +228,7 @@ def made_row(outlet, seed, mean, rng):
     size, cut = censored(rng.geometric(1 / mean, 50), 400)
     return {
         "state": "done", "reason": "", "outlet_m": outlet, "outlet_mm": 1e3 * outlet, "seed": seed,
-        "outcome": "whole",
-        "diameter_m": 0.01, "n_particles": 300, "sizes": size, "cut": cut,
+        "outcome": "whole", "diameter_m": 0.01, "n_particles": 300, "sizes": size, "cut": cut,
         "first_size": size[0], "first_clogged": True, "arch_particles": [3, 5, 5],
         "arch_span_m": [0.05] * 3, "arch_aspect": [0.3] * 3, "arches_not_found": 0, "breaks": 50,
         "waits": [3] * waits.BINS, "cpu_s": 1.0, "run_folder": "here",

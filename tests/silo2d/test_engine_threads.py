@@ -54,13 +54,17 @@ def gone_on(sim, n_threads):
     return saved | {name: np.array(energy) for name, energy in sim.energies().items()}
 
 
+def assert_same_bits(found, expected):
+    for what, array in expected.items():
+        assert np.array_equal(found[what], array, equal_nan=True), what
+
+
 @pytest.mark.parametrize(("vibrates", "n_threads"), [(False, 2), (True, 3)])
 def test_no_bit_of_a_silo_depends_on_the_number_of_threads(vibrates, n_threads):
     expected = gone_on(silo(vibrates), 1)
     assert 0 < expected["counts"][2] < 45  # some have left, and some are inside
     found = gone_on(silo(vibrates), n_threads)
-    for what, array in expected.items():
-        assert np.array_equal(found[what], array, equal_nan=True), what
+    assert_same_bits(found, expected)
 
 
 def test_a_part_of_several_blocks_is_shared():
@@ -84,5 +88,4 @@ def test_a_part_of_several_blocks_is_shared():
         sim.run(4000)
     one, two = (sim.save() for sim in sims)
     assert np.diff(sims[1].world.first_pair[0]).min() > 1.5 * state.BLOCK
-    for what, array in one.items():
-        assert np.array_equal(two[what], array, equal_nan=True), what
+    assert_same_bits(two, one)

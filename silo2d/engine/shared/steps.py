@@ -22,20 +22,17 @@ from silo2d.engine.forces import add_to_account, added, contact_forces
 from silo2d.engine.integrate import end_step, move_live
 from silo2d.engine.lists import measure_distances
 from silo2d.engine.neighbours import begin_search, search_inner, search_outer, update_vertices
-from silo2d.engine.simd import add_loads
+from silo2d.engine.simd import add_loads, add_to_edge_body, add_to_vertex_body
 from silo2d.engine.state import (
     BLOCK,
     CARRIED_OUT,
     DONE,
-    FX,
-    FY,
     LIVE,
     NOBODY,
     OUTER,
     PARTICLE_PARTICLE,
     PARTICLE_WALL,
     STALE,
-    TORQUE,
     Forces,
     World,
 )
@@ -63,8 +60,8 @@ class Team(NamedTuple):
     to_i: np.ndarray  # (capacity,) uint32 and of the edge's
     kept: Loads
     own: np.ndarray  # (capacity,) uint32 pairs with a load that is kept, each thread's from where
-    # its pairs begin
-    n_own: np.ndarray  # (n_threads, 1 or more) how many
+    # its pairs of a class begin
+    n_own: np.ndarray  # (n_threads, 2 or more) how many of each class
     foreign: np.ndarray  # (n_threads, capacity) uint32 those of each whose second body is another's
     n_foreign: np.ndarray  # (n_threads, 1 or more) how many
     sums: np.ndarray  # (2, n_parts, 8) what each part of each class dissipates in this step
@@ -84,10 +81,10 @@ def advance_shared(world, team, thread, n_steps):
                 return k, team.outcome[0]
         if thread == 0:
             load = take_loads(world)
-        _push_pairs(world, team, thread)
+        _push(world, team, thread, 0, world.particle_law)
         arrived = wait(team.clock, n_threads, arrived)
         _deliver(world, team, thread)
-        _push_at_walls(world, team, thread)
+        _push(world, team, thread, 1, world.wall_law)
         first, last = _own_live(world, team, thread)
         far, low = move_live(world, first, last)
         team.seen[thread, 0], team.seen[thread, 1] = far, low
@@ -139,39 +136,48 @@ def _own_live(world, team, thread):
 @inlined
 def _share_out(world, team, thread, arrived):
     """Choose where the loads of a thread's pairs go; arrived."""
-    n_threads, inner = len(team.n_foreign), world.inner
-    first, last = _own_pairs(world, team, thread, 0)
-    own_end = team.bounds[thread + 1]
-    team.waits[team.bounds[thread] : own_end] = False
+    n_threads = len(team.n_foreign)
+    team.waits[team.bounds[thread] : team.bounds[thread + 1]] = False
     arrived = wait(team.clock, n_threads, arrived)
-    for n in range(first, last):
-        second = max(inner.vertex_body[n], inner.edge_body[n])
-        if second >= own_end:
-            team.waits[second] = True
+    _name_to_others(world, team, thread)
     arrived = wait(team.clock, n_threads, arrived)
-    _choose_rows(world, team, thread, first, last)
-    for n in range(*_own_pairs(world, team, thread, 1)):
-        team.to_j[n] = _unless(inner.vertex_body[n], inner.vertex_body[n] >= len(world.bodies.live))
-        team.to_i[n] = _unless(inner.edge_body[n], inner.edge_body[n] >= len(world.bodies.live))
+    for which in range(2):
+        _choose_rows(world, team, thread, which)
     return arrived
 
 
 @inner
-def _choose_rows(world, team, thread, first, last):
-    """Choose the rows of pairs first ... last - 1, and name those with a load that is kept."""
+def _name_to_others(world, team, thread):
+    """Name the pairs of a thread that act on others' particles, and let these wait."""
+    inner, n_foreign = world.inner, np.int64(0)
+    first, last = _own_pairs(world, team, thread, 0)
+    for n in range(first, last):
+        second = max(inner.vertex_body[n], inner.edge_body[n])
+        if second >= team.bounds[thread + 1]:
+            team.waits[second] = True
+            team.foreign[thread, n_foreign] = n
+            n_foreign += 1
+    team.n_foreign[thread, 0] = n_foreign
+
+
+@inner
+def _choose_rows(world, team, thread, which):
+    """Choose the rows of a thread's pairs of a class, and name those with a load that is kept.
+
+    Loads on walls are all kept. Pairs with walls come after those that were kept are added, so that
+    no particle waits.
+    """
     inner, own_end = world.inner, team.bounds[thread + 1]
-    n_own, n_foreign = np.int64(0), np.int64(0)
+    first, last = _own_pairs(world, team, thread, which)
+    n_own = np.int64(0)
     for n in range(first, last):
         j, i = inner.vertex_body[n], inner.edge_body[n]
-        team.to_j[n] = _unless(j, j >= own_end or team.waits[j])
-        team.to_i[n] = _unless(i, i >= own_end or team.waits[i])
+        team.to_j[n] = _unless(j, j >= own_end or (which == 0 and team.waits[j]))
+        team.to_i[n] = _unless(i, i >= own_end or (which == 0 and team.waits[i]))
         if team.to_j[n] == NOBODY or team.to_i[n] == NOBODY:
             team.own[first + n_own] = n
             n_own += 1
-        if max(i, j) >= own_end:
-            team.foreign[thread, n_foreign] = n
-            n_foreign += 1
-    team.n_own[thread, 0], team.n_foreign[thread, 0] = n_own, n_foreign
+    team.n_own[thread, which] = n_own
 
 
 @inlined
@@ -187,34 +193,20 @@ def _own_pairs(world, team, thread, which):
 
 
 @inner
-def _push_pairs(world, team, thread):
-    """Loads of a thread's pairs of particles, and what they dissipate."""
-    first, _ = _own_pairs(world, team, thread, 0)
-    m, end_of_kept = first, first + team.n_own[thread, 0]
+def _push(world, team, thread, which, law):
+    """Loads of a thread's pairs of a class, 0 or 1, and what they dissipate."""
+    m, _ = _own_pairs(world, team, thread, which)
+    end_of_kept = m + team.n_own[thread, which]
     for part in range(team.parts[thread], team.parts[thread + 1]):
-        begins, last = world.first_pair[0, part], world.first_pair[0, part + 1]
-        sums = 0.0, 0.0, 0.0
-        for begin in range(begins, last, BLOCK):
+        last, sums = world.first_pair[which, part + 1], (0.0, 0.0, 0.0)
+        for begin in range(world.first_pair[which, part], last, BLOCK):
             n_pairs = min(last - begin, BLOCK)
-            block, sums = _push_block(world, team, thread, world.particle_law, begin, n_pairs, sums)
+            block, sums = _push_block(world, team, thread, law, begin, n_pairs, sums)
             while m < end_of_kept and team.own[m] < begin + n_pairs:
                 _keep(team.kept, team.own[m], block, team.own[m] - begin)
                 m += 1
-        team.sums[0, part, 0], team.sums[0, part, 1], team.sums[0, part, 2] = sums
-
-
-@inner
-def _push_at_walls(world, team, thread):
-    """Loads of a thread's pairs with walls, kept for the walls, and what they dissipate."""
-    for part in range(team.parts[thread], team.parts[thread + 1]):
-        begins, last = world.first_pair[1, part], world.first_pair[1, part + 1]
-        sums = 0.0, 0.0, 0.0
-        for begin in range(begins, last, BLOCK):
-            n_pairs = min(last - begin, BLOCK)
-            block, sums = _push_block(world, team, thread, world.wall_law, begin, n_pairs, sums)
-            for k in range(n_pairs):
-                _keep(team.kept, begin + k, block, k)
-        team.sums[1, part, 0], team.sums[1, part, 1], team.sums[1, part, 2] = sums
+        own = team.sums[which, part]
+        own[0], own[1], own[2] = sums
 
 
 @inlined
@@ -261,9 +253,7 @@ def _add_to_vertex_body(row, inner, kept, n, begins, ends):
     """Add the load of pair n to the body of its vertex, if it is in a range."""
     j = inner.vertex_body[n]
     if begins <= j < ends:
-        row[j, FX] += kept.fx[n]
-        row[j, FY] += kept.fy[n]
-        row[j, TORQUE] += kept.torque_j[n]
+        add_to_vertex_body(row, j, kept, n)
 
 
 @inlined
@@ -271,9 +261,7 @@ def _add_to_edge_body(row, inner, kept, n, begins, ends):
     """Likewise to that of its edge."""
     i = inner.edge_body[n]
     if begins <= i < ends:
-        row[i, FX] -= kept.fx[n]
-        row[i, FY] -= kept.fy[n]
-        row[i, TORQUE] += kept.torque_i[n]
+        add_to_edge_body(row, i, kept, n)
 
 
 @inner
@@ -313,7 +301,7 @@ class SharedSteps:
             to_i=np.zeros(capacity, np.uint32),
             kept=Loads(*(np.zeros(capacity) for _ in Loads._fields)),
             own=np.zeros(capacity, np.uint32),
-            n_own=rows_apart(n, 1),
+            n_own=rows_apart(n, 2),
             sums=np.zeros((2, len(world.parts) - 1, 8)),
             foreign=np.empty((n, capacity), np.uint32),
             n_foreign=rows_apart(n, 1),
