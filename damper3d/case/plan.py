@@ -36,9 +36,12 @@ _MOST_SAMPLES = 10_000  # between checkpoints, of a few particles too: until the
 # program with its kernels (when they are compiled), and of a particle in a frame that counts, while
 # its motion is measured at the end (found 102).
 _OF_A_CONTACT, _KEPT_OF_A_PARTICLE, _PROCESS, _MEASURED = 20, 800, 600e6, 110
-_OF_A_WORLD = 4e3  # [B] of a sphere in the arrays of the step loop; found 3740, of which 2100 used
+# [B] in the arrays of the step loop: of a sphere (found 3740, of which 2100 are used), of a
+# multi-sphere particle (8.7e3) and of each of its sub-spheres (630).
+_OF_A_WORLD, _OF_A_WORLD_PARTICLE, _OF_A_WORLD_SUB_SPHERE = 4e3, 9e3, 650
 _NUMBERS = 30  # of a sample, besides the wall forces
 _OF_ARRAYS = 5e3  # [B] of the arrays of a sample in memory, besides what is in them
+_OF_A_SUMMARY = 5 * 4096  # [B] of a run that keeps its results only: five files of a block
 _HEAVY = 25e3  # [kg/m3] above osmium and all others
 _FAST = 3.0  # peak speed of the enclosure over the yield velocity
 
@@ -140,15 +143,22 @@ def disk_at_most(case: DamperCase) -> dict[str, int]:
     )
 
 
+def stays(case: DamperCase) -> float:
+    """Bytes that a finished run takes at most, of those of disk_at_most."""
+    return _OF_A_SUMMARY if case.settings.output.keep == "summary" else math.inf
+
+
 def memory_at_most(case: DamperCase) -> int:
     """Bytes of memory that a run takes at most; most frames are in it when it is measured."""
     samples, frames, of_sample, of_frame, of_contacts = _kept(case)
     together = min(checkpoint_interval(case), samples)
     unwritten = together * (of_sample + _OF_ARRAYS)
     unwritten += frames / samples * together * (of_frame + of_contacts)
-    spheres = case.all_particles * (1.0 if case.of_spheres else float(case.sub_spheres.mean()))
-    own = _PROCESS + _OF_A_WORLD * spheres
-    return room.in_memory(own + frames * case.all_particles * _MEASURED, unwritten)
+    each = _OF_A_WORLD
+    if not case.of_spheres:
+        each = _OF_A_WORLD_PARTICLE + _OF_A_WORLD_SUB_SPHERE * float(case.sub_spheres.mean())
+    own = case.all_particles * (each + frames * _MEASURED)
+    return room.in_memory(_PROCESS + own, unwritten)
 
 
 def warnings(case: DamperCase) -> list[str]:

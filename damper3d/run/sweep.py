@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from damper3d.case.case import DamperCase
 from damper3d.case.host.several import OWN
-from damper3d.case.plan import disk_at_most, expected_cpu_s
+from damper3d.case.plan import disk_at_most, expected_cpu_s, stays
 from damper3d.case.settings import Damper, Settings
 from damper3d.engine import ENGINE
 from damper3d.run.device import on_device
@@ -107,6 +107,7 @@ DAMPER = Simulator(
     read=partial(read_finished, warn=silent),
     expected_cpu_s=expected_cpu_s,
     disk_at_most=disk_at_most,
+    stays=stays,
     sources=SOURCES,
     measures=MEASURES,
     packages=PACKAGES,

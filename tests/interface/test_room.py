@@ -17,6 +17,7 @@ from damper3d.case.case import DamperCase
 from damper3d.run.fill import resting
 from granulab.campaign.output import room
 from granulab.campaign.runs.folder import RunFolder
+from granulab.campaign.runs.sharing import cores
 from granulab.campaign.sweeps.sweep import run_labelled
 from silo2d.case import plan as silo_plan
 from silo2d.case.case import SiloCase
@@ -132,17 +133,19 @@ def test_checkpoints_of_large_beds_are_two_thousand_steps_apart():
         assert damper_plan.checkpoint_interval(case) * case.steps_per_sample == steps
 
 
-def test_the_memory_of_a_large_bed_counts_the_arrays_of_its_steps():
-    """A sphere's part in them is the same in a small bed; a million of them take some GB."""
+@pytest.mark.parametrize("shape", [{}, {"particles.shape": "prolate:1.5"}])
+def test_the_memory_of_a_large_bed_counts_the_arrays_of_its_steps(shape):
+    """A particle's part in them is the same in a small bed; many take GB."""
     few, many = (
         DamperCase.load("thesis", {
             "enclosure.shape": "box", "enclosure.width": width, "particles.count": count,
-            "output.frames": 0,
+            "output.frames": 0, **shape,
         })
-        for count, width in ((1000, "7 cm"), (1_000_000, "2.2 m"))
+        for count, width in ((400, "7 cm"), (20_000, "1 m"))
     )  # fmt: skip
     centres = np.random.default_rng(1).uniform(-0.03, 0.03, size=(few.count, 3))
-    own = bytes_of_arrays(resting(few, centres).world) / few.count
+    turned = np.tile([1.0, 0.0, 0.0, 0.0], (few.count, 1)) if shape else None
+    own = bytes_of_arrays(resting(few, centres, turned).world) / few.count
     grows = damper_plan.memory_at_most(many) - damper_plan.memory_at_most(few)
     assert 0.5 * own < grows / many.count < 2 * own
 
@@ -184,9 +187,26 @@ def test_many_runs_are_added_up_and_warned_of(nearly_full, tmp_path, capsys):
     hungry = dataclasses.replace(FAKE, disk_at_most=lambda case: {"frames": 2_000_000})
     run_labelled(hungry, [({}, fake(3)), ({}, fake(4))], out=tmp_path, workers=1, quiet=True)
     assert "up to 4.0 MB may be needed" in capsys.readouterr().err
-    planned = damper3d(
-        "map", "--frequencies", "40", "--gammas", "1,3", *DRY, "--json", "-o", tmp_path
-    ).json
-    point = damper3d("run", "--gamma", "3", "--keep", "summary", *DRY, "--json").json
-    one = point["disk_bytes_at_most"]  # a map keeps no frames of its runs
-    assert planned["disk_bytes_at_most"] == 2 * sum(one.values())
+
+
+def test_of_runs_that_keep_a_summary_only_those_under_way_take_more():
+    whole, stays = 2_000_000, 1_000
+    frugal = dataclasses.replace(
+        FAKE, disk_at_most=lambda case: {"frames": whole}, stays=lambda case: stays
+    )
+    cases = [fake(k) for k in range(10)]
+    assert frugal.disk_of(cases, at_once=3) == 3 * whole + 7 * stays
+    assert frugal.disk_of(cases, at_once=99) == 10 * whole
+    assert dataclasses.replace(frugal, stays=FAKE.stays).disk_of(cases, at_once=3) == 10 * whole
+
+
+def test_a_map_is_told_what_its_summaries_take():
+    """Each of a hundred points at most what five files of a block are, and a core one run's."""
+    grid = ["--frequencies", "40", "--gammas", ",".join(map(str, range(1, 101)))]
+    planned = damper3d("map", *grid, *DRY, "--json").json
+    point = damper3d("run", "--gamma", "100", "--keep", "summary", *DRY, "--json").json
+    one = sum(point["disk_bytes_at_most"].values())
+    assert 100 * 5 * 4096 < planned["disk_bytes_at_most"] < 100 * 5 * 4096 + cores() * one
+    (run,) = KEPT.glob("damper/spheres-*f2c032c051bd")
+    of_results = ("*.toml", "*.json")
+    assert bytes_of(run, *of_results) < damper_plan._OF_A_SUMMARY

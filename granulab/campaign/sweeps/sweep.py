@@ -6,6 +6,9 @@ has a seed; where more follows from the seed it has a method `with_seed`.
 """
 
 import dataclasses
+import heapq
+import math
+import operator
 import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -21,6 +24,7 @@ from granulab.campaign.output.terminal import Progress, announce_compilation
 from granulab.campaign.runs.folder import RunFolder, find_run
 from granulab.campaign.runs.protocol import Stop
 from granulab.campaign.runs.provenance import Sources, to_stderr
+from granulab.campaign.runs.sharing import cores
 from granulab.campaign.runs.stages import in_words
 from granulab.campaign.sweeps.engine import Tally, run_tasks
 from granulab.campaign.sweeps.found.journal import Journal
@@ -58,6 +62,7 @@ class Simulator:
     read           what a finished run found, a dataclass; FolderError where it is damaged
     expected_cpu_s CPU time [s] that the packing of a case and its run will take, about
     disk_at_most   bytes that the run of a case takes at most, by what they are of
+    stays          those of them that a finished run of a case still takes
     sources        the folders of code that decide what a run computes
     measures       those that make its results from what it stored; None: none do
     made_by        of a case, the sources of its run and of its packing, where they differ
@@ -82,6 +87,7 @@ class Simulator:
     quantities: Quantities = field(default_factory=Quantities)
     compiled: Callable[[], bool] = lambda: True
     disk_at_most: Callable[[Any], Mapping[str, int]] = lambda case: {}
+    stays: Callable[[Any], float] = lambda case: math.inf
     device: Callable[[Sequence[Any]], AbstractContextManager[int]] | None = None
 
     @property
@@ -99,9 +105,15 @@ class Simulator:
             return RunFolder(Path(out) / f"{name}-{digest}")
         return find_run(out, name, digest)
 
-    def disk_of(self, cases: Sequence[Any]) -> int:
-        """Bytes that the runs of some cases take at most, none of which is there yet."""
-        return sum(sum(self.disk_at_most(case).values()) for case in cases)
+    def disk_of(self, cases: Sequence[Any], at_once: int | None = None) -> int:
+        """Bytes that the runs of some cases take at most, none of which is there yet.
+
+        at_once: how many run at a time, while each takes more than what stays; None: one a core
+        """
+        whole = [sum(self.disk_at_most(case).values()) for case in cases]
+        stays = [min(self.stays(case), n) for case, n in zip(cases, whole, strict=True)]
+        more = heapq.nlargest(at_once or cores(), map(operator.sub, whole, stays))
+        return math.ceil(sum(stays) + sum(more))
 
     def packing_file(self, case: Any, out: Path) -> Path:
         """The packing in its folder."""
@@ -200,7 +212,10 @@ def _run_missing(
     """
     cases = list(missing.values())
     with _place(simulator, cases, engine, workers) as (where, at_once):
-        if short := room.shortage(simulator.disk_of(cases), out):
+        # Of a cluster nobody knows here how many run at a time.
+        if short := room.shortage(
+            simulator.disk_of(cases, len(cases) if where == "dask" else at_once), out
+        ):
             to_stderr(short)
         announce_compilation(quiet, simulator.compiled())
         tasks, needs, costs = _tasks(simulator, cases, out)
