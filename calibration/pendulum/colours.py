@@ -12,7 +12,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.tracking.camera_motion import CameraMotion, lasting_motion, offsets, scaled
+from calibration.tracking.camera_motion import (
+    CameraMotion,
+    lasting_motion,
+    offsets,
+    scaled,
+    shows_motion,
+)
 from calibration.tracking.film.reader import Film, Picture, Progress, Region
 from calibration.tracking.film.stamps import clean_stamps
 from calibration.tracking.track import Array, Track
@@ -79,13 +85,16 @@ def by_colour(
     stamps: list[float | None] = []
     camera = CameraMotion()
     motion: list[Array] = []
+    shown: list[bool] = []
     for frame in film.frames():
         picture = frame.picture[view]
         spots.append(_spots(look, picture))
         few = np.ascontiguousarray(picture[:: look.skip, :: look.skip])
         if not motion:
-            camera.look_at(few, look.objects(picture))
+            first = few
+            camera.look_at(first, look.objects(picture))
         motion.append(camera.follow(few))
+        shown.append(shows_motion(few, first, motion[-1]))
         numbers.append(frame.number)
         stamps.append(frame.stamp)
         if progress is not None and film.count:
@@ -93,7 +102,11 @@ def by_colour(
     found = _objects(film, spots)
     time, remarks = clean_stamps(numbers, stamps, film.rate)
     moved, remark = lasting_motion(
-        scaled(np.array(motion), look.skip, look.skip), width, height, _MOVES * look.skip
+        scaled(np.array(motion), look.skip, look.skip),
+        width,
+        height,
+        _MOVES * look.skip,
+        np.array(shown),
     )
     remarks += [remark] if remark else []
     whole = Track(np.array(numbers, dtype=float), np.zeros(0), np.zeros(0), time)

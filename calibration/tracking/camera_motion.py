@@ -4,6 +4,12 @@ Corners of the background are found in each picture by the pyramid of Lucas and 
 2001); the similarity (shift, rotation, zoom) that most of them agree on is the camera's, whatever
 moves in front of it (RANSAC). Rotation and zoom are taken where corners all over the picture show
 them beyond chance, else a shift alone.
+
+In noise, corners that agree on some motion are always found. Before it is believed, the background
+moved so must predict what each pixel differs by. The picture's own difference, regressed on that,
+has slope 1 where the camera moved so and 0 where it stood; noise of the background, which is in
+both, adds up to a half to it. Objects that move in front of the background are explained by
+neither, and left out.
 """
 
 from typing import Any
@@ -20,6 +26,10 @@ _FEWEST = 12  # corners that must agree: a similarity has four unknowns, objects
 _SPREAD = 0.2  # standard deviation of corners all over a picture is 0.29 of its sides
 _CHANCE = 1e-4  # p below which rotation and zoom are believed: one frame in ten thousand by mistake
 _BACK = 0.5  # px by which a corner followed there and back may miss
+_SMOOTH = 1.5  # px: texture is coarser than noise
+_SLOPE = 0.75  # halfway between what noise of the background alone gives, and motion
+_SIGMAS = 4.0  # by which the slope must be known
+_QUIET = 3.0  # medians of the difference that something explains
 
 
 class CameraMotion:
@@ -114,6 +124,29 @@ def _better(
     return float(fdtrc(2, freedom, gain)) < _CHANCE
 
 
+def shows_motion(picture: Picture, background: Picture, motion: Array) -> bool:
+    """True if `motion` (3, 3), from background to picture, explains how they differ."""
+    import cv2
+
+    seen, stood = (
+        cv2.GaussianBlur(cv2.cvtColor(one, cv2.COLOR_BGR2GRAY).astype(np.float32), (0, 0), _SMOOTH)
+        for one in (picture, background)
+    )
+    size = (seen.shape[1], seen.shape[0])
+    moved = cv2.warpAffine(stood, motion[:2], size, borderMode=cv2.BORDER_REPLICATE)
+    still, left = np.abs(seen - stood), np.abs(seen - moved)
+    explained = np.minimum(still, left)
+    quiet = explained <= _QUIET * float(np.median(explained))
+    by = (moved - stood)[quiet]
+    power = float(by @ by)
+    if power == 0:
+        return False
+    difference = (seen - stood)[quiet]
+    slope = float(by @ difference) / power
+    variance = float(np.mean((difference - slope * by) ** 2)) * 4 * np.pi * _SMOOTH**2
+    return slope > _SLOPE and slope > _SIGMAS * np.sqrt(variance / power)
+
+
 def largest_shift(motion: Array, width: float, height: float) -> float:
     """Largest shift of a picture's corners [px]; motion (..., 3, 3)."""
     ends = np.array([[0, 0, 1], [width, 0, 1], [0, height, 1], [width, height, 1]], dtype=float)
@@ -122,12 +155,16 @@ def largest_shift(motion: Array, width: float, height: float) -> float:
 
 
 def lasting_motion(
-    motion: Array, width: float, height: float, least: float
+    motion: Array, width: float, height: float, least: float, shown: NDArray[np.bool_] | None = None
 ) -> tuple[Array | None, str]:
-    """The motion (n, 3, 3) of a camera that moves by `least` px, else None; what is said of it."""
+    """The motion (n, 3, 3) of a camera that moves by `least` px, else None; what is said of it.
+
+    shown: (n,) the frames that show their motion; None: all
+    """
     from scipy.ndimage import median_filter
 
-    lasting = median_filter(motion, size=(5, 1, 1), mode="nearest")  # not a frame's noise
+    seen = motion if shown is None else np.where(shown[:, None, None], motion, np.eye(3))
+    lasting = median_filter(seen, size=(5, 1, 1), mode="nearest")  # not a frame's noise
     farthest = largest_shift(lasting, width, height)
     if farthest < least:
         return None, ""

@@ -1,10 +1,7 @@
 """Objects looked for in one picture of a film after the other, and linked; the background learned.
 
 Large pictures are reduced by a whole number: a centroid over an object is no less exact for it.
-Before a camera's motion is believed, the background moved so must predict what each pixel differs
-by. The picture's own difference, regressed on that, has slope 1 where the camera moved so and 0
-where it stood; noise of the background, which is in both, adds up to a half to it. Objects that
-move in front of the background are explained by neither, and left out.
+A camera's motion is believed where the pictures show it (camera_motion.shows_motion).
 """
 
 from dataclasses import dataclass, field
@@ -13,15 +10,11 @@ import numpy as np
 
 from calibration.tracking.background import Background, Mask, is_ghost
 from calibration.tracking.blobs import Blob, Candidate, candidates, changed, measure
-from calibration.tracking.camera_motion import CameraMotion, largest_shift
+from calibration.tracking.camera_motion import CameraMotion, largest_shift, shows_motion
 from calibration.tracking.film.reader import Picture
 from calibration.tracking.linking import Linker
 from calibration.tracking.track import Array
 
-_SMOOTH = 1.5  # px: texture is coarser than noise
-_SLOPE = 0.75  # halfway between what noise of the background alone gives, and motion
-_SIGMAS = 4.0  # by which the slope must be known
-_QUIET = 3.0  # medians of the difference that something explains
 _LONGEST = 1280  # px of a picture that objects are measured in
 _SEARCHED = 640  # px of a picture that they are looked for in
 _DRIFT = 0.5  # px of the picture searched, from which pictures are steadied
@@ -31,29 +24,6 @@ _STANDS = 16  # frames for which it has stood, from which on
 _SEEN_TO = 4  # it is looked at in every such frame alone
 _GHOST = 3  # frames for which an object that has left its image behind stands still
 _GHOST_AGAIN = 4  # frames from one look at what stands still to the next
-
-
-def shows_motion(picture: Picture, background: Picture, motion: Array) -> bool:
-    """True if `motion` (3, 3), from background to picture, explains how they differ."""
-    import cv2
-
-    seen, stood = (
-        cv2.GaussianBlur(cv2.cvtColor(one, cv2.COLOR_BGR2GRAY).astype(np.float32), (0, 0), _SMOOTH)
-        for one in (picture, background)
-    )
-    size = (seen.shape[1], seen.shape[0])
-    moved = cv2.warpAffine(stood, motion[:2], size, borderMode=cv2.BORDER_REPLICATE)
-    still, left = np.abs(seen - stood), np.abs(seen - moved)
-    explained = np.minimum(still, left)
-    quiet = explained <= _QUIET * float(np.median(explained))
-    by = (moved - stood)[quiet]
-    power = float(by @ by)
-    if power == 0:
-        return False
-    difference = (seen - stood)[quiet]
-    slope = float(by @ difference) / power
-    variance = float(np.mean((difference - slope * by) ** 2)) * 4 * np.pi * _SMOOTH**2
-    return slope > _SLOPE and slope > _SIGMAS * np.sqrt(variance / power)
 
 
 @dataclass

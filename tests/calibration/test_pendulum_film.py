@@ -31,13 +31,14 @@ def test_the_sample_gives_its_truth():
     assert done.code == 0, done.err
     said = json.loads(done.out)
     e = said["restitution"]
-    assert abs(e["value"] - truth["restitution"]) < 4 * e["sigma"] < 0.02
+    assert abs(e["value"] - truth["restitution"]) < 4 * e["sigma"] < 0.005
     n = len(said["contact_frames"])
     assert n >= 3
     assert said["contact_frames"] == pytest.approx(truth["contact_frames"][:n], abs=0.2)
     assert said["planar"] is True
     assert said["things"] == "two blocks"
     assert said["mass_ratio"] == pytest.approx(truth["mass_ratio"], abs=0.02)
+    assert not any("camera" in line for line in said["warnings"])  # corners of its noise do move
     assert SAMPLE.stat().st_size < 300_000
 
 
