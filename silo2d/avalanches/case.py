@@ -23,6 +23,14 @@ _ROOM_RADII = 10  # ... or so many radii of the largest particle, where that is 
 # Mean avalanche of the wood's particles, A exp(C (D/d)^2), as the committed study found it: for
 # estimates of cost alone (docs/results/silo2d/clogging/clog-D3-wood19.txt).
 _USUAL_A, _USUAL_C = 2.5, 0.16
+_FREELY = "avalanches flow freely, and are refilled"
+_REFUSED = (
+    ("flow", "gate_times", _FREELY),
+    ("flow", "feed_rate", _FREELY),
+    ("flow", "refill", _FREELY),
+    ("flow", "vibration_amplitude", "a bed that is shaken never comes to rest, which a clog is"),
+    ("silo", "outlets", "avalanches are those of one outlet"),
+)
 
 
 @dataclass(frozen=True)
@@ -63,12 +71,9 @@ class AvalancheCase:
         """Case of a silo; InputError where it is no case of avalanches."""
         if silo.impulses:
             raise InputError("[run] engine = 'pymunk': avalanches need the contacts of dem")
-        given = silo.settings.flow
-        for key in ("gate_times", "feed_rate", "refill"):
-            if getattr(given, key):
-                raise InputError(
-                    f"[flow] {key}: avalanches flow freely, and are refilled; leave it out"
-                )
+        for section, key, why in _REFUSED:
+            if getattr(getattr(silo.settings, section), key):
+                raise InputError(f"[{section}] {key}: {why}; leave it out")
         return cls(silo, protocol)
 
     @property

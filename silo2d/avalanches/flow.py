@@ -78,6 +78,8 @@ def flow(
         outcome = _look(sim, bed, ledger) if target % look == 0 else None
         ledger.cpu_s += time.process_time() - began
         if outcome:
+            if outcome == "rathole":  # through a channel, above which no arch can stand
+                ledger.size = max(ledger.size - ledger.through, 0)
             if outcome != "whole" and ledger.size:  # what flowed until then counts too
                 _over(bed, ledger, sim.time, clogged=False)
             return outcome
@@ -112,12 +114,10 @@ def _is_rathole(bed: Bed, ledger: Ledger, left: int, above: float) -> bool:
     """True once more has left through a channel above the outlet than would fill it.
 
     above: see Bed.above_outlet; left: particles since the last look. What stands on a high arch
-    leaves a hollow too, but lets nothing through. Not looked for where there are further outlets,
-    through which particles leave too.
+    leaves a hollow too, but lets nothing through.
     """
     ledger.through = ledger.through + left if above < RATHOLE else 0
-    silo = bed.silo
-    return not silo.outline.outlets and ledger.through * silo.shapes.mean_area > bed.above
+    return ledger.through * bed.silo.shapes.mean_area > bed.above
 
 
 def _note(sim: Simulation, ledger: Ledger) -> int:

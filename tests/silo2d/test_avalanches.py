@@ -385,6 +385,17 @@ def test_cost_is_told_before(tmp_path):
         (["--outlets", "45 mm", "--seed", "2"], ["--seed", "--seeds says this"]),
         (["--outlets", "45 mm", "--engine", "pymunk"], ["--engine", "contacts of dem"]),
         (["--outlets", "45 mm", "--refill", "30"], ["[flow] refill", "leave it out"]),
+        (
+            [
+                "--outlets",
+                "45 mm",
+                "--vibration-amplitude",
+                "0.5 mm",
+                "--vibration-frequency",
+                "30 Hz",
+            ],
+            ["[flow] vibration_amplitude", "never comes to rest", "leave it out"],
+        ),
     ],
 )
 def test_what_cannot_clog_is_refused_before_anything_is_computed(
@@ -393,6 +404,11 @@ def test_what_cannot_clog_is_refused_before_anything_is_computed(
     monkeypatch.chdir(tmp_path)
     assert_refused(silo2d("clog", "A3", *arguments), *words)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_silo_of_two_outlets_is_refused(tmp_path):
+    case = write_case(tmp_path, {"silo.outlets": [[[10, 0], [30, 0]]]})
+    assert_refused(silo2d("clog", case, "--outlets", "22 mm"), "[silo] outlets", "one outlet")
 
 
 def test_a_case_of_impulses_is_refused(tmp_path):

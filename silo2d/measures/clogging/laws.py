@@ -1,13 +1,14 @@
 """Mean avalanche against outlet: the two laws of the literature, by maximum likelihood.
 
-    power law      <s> = A (R_c - R)^-g           Zuriguel et al., Phys. Rev. E 71 (2005) 051303
+    power law      <s> = A (1 - R/R_c)^-g         Zuriguel et al., Phys. Rev. E 71 (2005) 051303
     exponential    <s> = A exp(C R^n), n = 2      Janda et al., EPL 84 (2008) 44002, in the plane;
                                                   Thomas and Durian, PRL 114 (2015) 178001
 
 R = D/d is the outlet over the particles' diameter; the first law has a critical outlet above which
-nothing clogs, the second has none. The likelihood is that of all avalanches, cut ones as censored:
-k clogs among S particles at an outlet of mean m give -k ln m - S/m. Intervals are of 95 %: to where
-the profile of the likelihood has fallen by 1.92.
+nothing clogs, the second has none. As R_c grows and g/R_c = b stays, the first becomes A exp(b R),
+which has none either: where outlets do not refute that, R_c and g are open above. The likelihood is
+that of all avalanches, cut ones as censored: k clogs among S particles at an outlet of mean m give
+-k ln m - S/m. Intervals are of 95 %: to where the profile of the likelihood has fallen by 1.92.
 """
 
 import math
@@ -21,8 +22,9 @@ from granulab.campaign.output.statistics import CONFIDENCE
 
 Floats = NDArray[np.float64]
 IN_THE_PLANE = 2.0  # n
-_RATES, _POWERS = (-0.5, 5.0), (1e-2, 80.0)  # of C and g that are looked at
-_CRITICAL = math.log(1e-2), math.log(1e2)  # logarithm of R_c over the largest outlet that clogged
+_RATES, _SLOPES = (-0.5, 5.0), (1e-3, 20.0)  # of C and b = g/R_c that are looked at
+_CRITICAL = math.log(1e-2), math.log(1e4)  # logarithm of R_c over the largest outlet that clogged
+_LEAST_POWER = math.log(1e-2)  # logarithm of g
 
 
 @dataclass(frozen=True)
@@ -33,13 +35,14 @@ class Outlets:
     exposure: Floats
     clogs: Floats
 
-    def profile(self, shape: Floats) -> tuple[float, float]:
-        """Largest log likelihood of <s> = A shape (o,), and ln A; an infinite shape: no clog."""
-        total = self.clogs.sum()
-        known = np.isfinite(shape)
-        log_a = math.log((self.exposure[known] / shape[known]).sum() / total)
+    def profile(self, log_shape: Floats) -> tuple[float, float]:
+        """Largest log likelihood of ln <s> = ln A + log_shape (o,), and ln A; infinite: no clog."""
+        from scipy.special import logsumexp
+
+        total, known = self.clogs.sum(), np.isfinite(log_shape)
+        log_a = float(logsumexp(np.log(self.exposure[known]) - log_shape[known]) - math.log(total))
         clogged = self.clogs > 0
-        return float(-total * (log_a + 1) - self.clogs[clogged] @ np.log(shape[clogged])), log_a
+        return float(-total * (log_a + 1) - self.clogs[clogged] @ log_shape[clogged]), log_a
 
     @property
     def saturated(self) -> float:
@@ -77,7 +80,7 @@ class Law:
         value = {name: one.value for name, one in self.parameters.items()}
         if self.name == "exponential":
             return value["A"] * np.exp(value["C"] * across**IN_THE_PLANE)
-        return value["A"] * _shape(across, value["critical"], value["g"])
+        return value["A"] * np.exp(value["g"] * _log_gap(across, value["critical"]))
 
 
 def exponential(seen: Outlets) -> Law | None:
@@ -87,7 +90,7 @@ def exponential(seen: Outlets) -> Law | None:
     square = seen.across**IN_THE_PLANE
 
     def best(rate: float) -> float:
-        return seen.profile(np.exp(rate * square))[0]
+        return seen.profile(rate * square)[0]
 
     rate = _highest(best, *_RATES)
     c = _interval(best, rate, *_RATES)
@@ -95,7 +98,7 @@ def exponential(seen: Outlets) -> Law | None:
     def best_of_a(log_a: float) -> float:
         return best_of_mean(seen, 0.0, log_a)
 
-    log_a = seen.profile(np.exp(rate * square))[1]
+    log_a = seen.profile(rate * square)[1]
     a = _interval(best_of_a, log_a, log_a - 20, log_a + 20)
     return _law("exponential", {"A": _exp(a), "C": c}, best(rate), seen)
 
@@ -130,40 +133,48 @@ def power(seen: Outlets) -> Law | None:
         return None
     largest = float(seen.across[seen.clogs > 0].max())
 
-    def of(u: float, g: float) -> float:
-        return seen.profile(_shape(seen.across, largest + math.exp(u), g))[0]
+    def critical(u: float) -> float:
+        return largest + math.exp(u)
 
-    def best_power(u: float) -> float:
-        return _highest(lambda g: of(u, g), *_POWERS)
+    def of(u: float, slope: float) -> float:
+        return seen.profile(slope * critical(u) * _log_gap(seen.across, critical(u)))[0]
+
+    def best_slope(u: float) -> float:
+        return _highest(lambda slope: of(u, slope), *_SLOPES)
 
     def best_of_u(u: float) -> float:
-        return of(u, best_power(u))
+        return of(u, best_slope(u))
 
-    def best_of_g(g: float) -> float:
-        return of(_highest(lambda u: of(u, g), *_CRITICAL), g)
+    def best_of_g(log_g: float) -> float:
+        def of_both(u: float) -> float:
+            return of(u, math.exp(log_g) / critical(u))
+
+        return of_both(_highest(of_both, *_CRITICAL))
 
     u = _highest(best_of_u, *_CRITICAL)
-    g, end = best_power(u), _interval(best_of_u, u, *_CRITICAL)
-    log_a = seen.profile(_shape(seen.across, largest + math.exp(u), g))[1]
-    ends = [None if one is None else largest + math.exp(one) for one in (end.low, end.high)]
+    slope, end = best_slope(u), _interval(best_of_u, u, *_CRITICAL)
+    log_g = math.log(slope * critical(u))
+    log_a = seen.profile(math.exp(log_g) * _log_gap(seen.across, critical(u)))[1]
+    ends = [None if one is None else critical(one) for one in (end.low, end.high)]
     parameters = {
         "A": Estimate(math.exp(log_a), None, None),
-        "critical": Estimate(largest + math.exp(u), *ends),
-        "g": _interval(best_of_g, g, *_POWERS),
-    }
-    return _law("power", parameters, of(u, g), seen)
+        "critical": Estimate(critical(u), *ends),
+        "g": _exp(_interval(best_of_g, log_g, _LEAST_POWER,
+                            math.log(best_slope(_CRITICAL[1]) * critical(_CRITICAL[1])))),
+    }  # fmt: skip
+    return _law("power", parameters, of(u, slope), seen)
 
 
-def _shape(across: Floats, critical: float, g: float) -> Floats:
-    """(R_c - R)^-g, infinite from the critical outlet on."""
-    gap = np.where(across < critical, critical - across, 1.0)
-    return np.where(across < critical, gap**-g, np.inf)
+def _log_gap(across: Floats, critical: float) -> Floats:
+    """-ln(1 - R/R_c), infinite from the critical outlet on."""
+    below = np.where(across < critical, across, 0.0)
+    return np.where(across < critical, -np.log1p(-below / critical), np.inf)
 
 
 def _law(name: str, parameters: dict[str, Estimate], most: float, seen: Outlets) -> Law:
     from scipy.stats import chi2
 
-    spare = int((seen.clogs > 0).sum()) - len(parameters)
+    spare = len(seen.clogs) - len(parameters)
     ratio = 2 * max(seen.saturated - most, 0.0)
     return Law(name, parameters, 2 * len(parameters) - 2 * most,
                float(chi2.sf(ratio, spare)) if spare > 0 else None)  # fmt: skip

@@ -9,6 +9,7 @@ cut off is larger than its size (censored). All intervals are of 95 %.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,32 @@ from granulab.campaign.output.statistics import CONFIDENCE, Correlation, rank_co
 Sizes = NDArray[np.float64]
 _FEWEST = 20  # clogs, for a test of the form
 _FORMS = math.log(0.2), math.log(5.0)  # of beta, that are looked at
+_REFUTED = 0.05  # p below which runs of one outlet do not share a mean avalanche
+
+
+class Run(NamedTuple):
+    """Avalanches of a run, the first from the opening; cut: 1 for those that no clog ended."""
+
+    first: int
+    first_clogged: bool
+    sizes: list[int]
+    cut: list[int]
+
+
+def joined(first: int, first_clogged: bool, sizes: Sequence[int], cut: Sequence[int]) -> Run:
+    """Avalanches of the pieces of a run: one that is cut off goes on in the next piece.
+
+    The first that goes on is that from the opening; the last of a run may end without a clog.
+    """
+    found, clogged = [first], [first_clogged]
+    for size, is_cut in zip(sizes, cut, strict=True):
+        if clogged[-1]:
+            found.append(size)
+            clogged.append(not is_cut)
+        else:
+            found[-1] += size
+            clogged[-1] = not is_cut
+    return Run(found[0], clogged[0], found[1:], [int(not one) for one in clogged[1:]])
 
 
 @dataclass(frozen=True)
@@ -27,25 +54,53 @@ class Mean:
     value: float | None
     low: float
     high: float | None
-    clogs: int
-    exposure: int  # particles that left
+    clogs: float  # what they count, where runs scatter
+    exposure: float  # particles that left, likewise
 
 
-def mean_avalanche(exposure: int, clogs: int) -> Mean:
+def mean_avalanche(exposure: int, clogs: int, scatter: float = 1.0) -> Mean:
     """The mean avalanche of clogs among particles that left, those of cut avalanches among them.
 
     The likelihood p^k (1 - p)^(S - k) has its maximum at p = k/S. The interval is that of a number
     k of rare events in S trials (Garwood 1936), with at least its confidence.
+
+    scatter: variance over that of one p (see scatter); the counts weigh less by so much
     """
     from scipy.stats import chi2
 
+    k, left = clogs / scatter, exposure / scatter
     outside = (1 - CONFIDENCE) / 2
-    most = chi2.ppf(1 - outside, 2 * clogs + 2) / 2  # clogs that may be expected, at most
-    least = chi2.ppf(outside, 2 * clogs) / 2 if clogs else 0.0
+    most = chi2.ppf(1 - outside, 2 * k + 2) / 2  # clogs that may be expected, at most
+    least = chi2.ppf(outside, 2 * k) / 2 if clogs else 0.0
     return Mean(
         exposure / clogs if clogs else None,
-        float(exposure / most), float(exposure / least) if clogs else None, clogs, exposure,
+        float(left / most), float(left / least) if clogs else None, k, left,
     )  # fmt: skip
+
+
+def scatter(runs: Sequence[Run]) -> tuple[float, float | None]:
+    """Variance of the runs' clogs over that of one p, at least 1, and p that they share one.
+
+    By the likelihood ratio of a p for each run against one for all (Wilks 1938), over its degrees
+    of freedom (McCullagh and Nelder, Generalized Linear Models, 1989, 4.5); 1 where a common p is
+    not refuted. None of fewer than two runs in which something left, or where nothing clogged.
+    """
+    from scipy.special import xlogy
+    from scipy.stats import chi2
+
+    left = np.array([sum(run.sizes) for run in runs], float)
+    clogs = np.array([len(run.cut) - sum(run.cut) for run in runs], float)
+    left, clogs = left[left > 0], clogs[left > 0]
+    if len(left) < 2 or not clogs.any():
+        return 1.0, None
+
+    def log_likelihood(p: NDArray[np.float64]) -> float:
+        return float((xlogy(clogs, p) + xlogy(left - clogs, 1 - p)).sum())
+
+    common = np.full(len(left), clogs.sum() / left.sum())
+    ratio = 2 * max(log_likelihood(clogs / left) - log_likelihood(common), 0.0)
+    p_value = float(chi2.sf(ratio, len(left) - 1))
+    return (max(ratio / (len(left) - 1), 1.0) if p_value < _REFUTED else 1.0), p_value
 
 
 @dataclass(frozen=True)

@@ -11,40 +11,53 @@ import numpy as np
 from granulab.campaign.output.layout import done
 from granulab.campaign.output.statistics import wilson
 from silo2d.measures.clogging.laws import Estimate, Law, Outlets, exponential, outlet_of, power
-from silo2d.measures.clogging.sizes import Mean, empties, form, independence, mean_avalanche, mode
+from silo2d.measures.clogging.sizes import (
+    Mean,
+    Run,
+    empties,
+    form,
+    independence,
+    joined,
+    mean_avalanche,
+    mode,
+    scatter,
+)
 from silo2d.measures.clogging.waits import tail
 
 Row = dict[str, Any]
 
 PROBABILITIES = 0.5, 0.05, 0.01  # of clogging, whose outlets are given
+REFUTED = 0.05  # p below which a law is
 
 
 @dataclass(frozen=True)
 class AtOutlet:
-    """Runs of a silo at one outlet.
-
-    sizes, cut     of all avalanches that count, one run after the other
-    runs           the same run by run
-    """
+    """Runs of a silo at one outlet; runs: the avalanches of each, whose pieces are joined."""
 
     outlet: float  # [m]
     across: float  # over the particles' diameter
     rows: list[Row]
-
-    @property
-    def runs(self) -> list[tuple[list[int], list[int]]]:
-        """Sizes and cut of each run."""
-        return [(row["sizes"], row["cut"]) for row in self.rows]
+    runs: list[Run]
 
     def all_of(self, key: str) -> list[Any]:
         """A list of the rows, one after the other."""
         return [value for row in self.rows for value in row[key]]
 
     @property
+    def sizes(self) -> list[int]:
+        """Sizes of all avalanches that count, one run after the other."""
+        return [size for run in self.runs for size in run.sizes]
+
+    @property
+    def cut(self) -> list[int]:
+        """Whether no clog ended them."""
+        return [cut for run in self.runs for cut in run.cut]
+
+    @property
     def mean(self) -> Mean:
         """Mean avalanche."""
-        cut = self.all_of("cut")
-        return mean_avalanche(sum(self.all_of("sizes")), len(cut) - sum(cut))
+        cut = self.cut
+        return mean_avalanche(sum(self.sizes), len(cut) - sum(cut), scatter(self.runs)[0])
 
 
 def by_outlet(rows: Sequence[Row]) -> list[AtOutlet]:
@@ -53,9 +66,13 @@ def by_outlet(rows: Sequence[Row]) -> list[AtOutlet]:
     for row in done(rows):
         found.setdefault(row["outlet_m"], []).append(row)
     return [
-        AtOutlet(outlet, outlet / own[0]["diameter_m"], own)
+        AtOutlet(outlet, outlet / own[0]["diameter_m"], own, [_run(row) for row in own])
         for outlet, own in sorted(found.items())
     ]
+
+
+def _run(row: Row) -> Run:
+    return joined(row["first_size"], row["first_clogged"], row["sizes"], row["cut"])
 
 
 def seen_at(outlets: Sequence[AtOutlet]) -> Outlets:
@@ -77,13 +94,16 @@ def study(rows: Sequence[Row], rest_time: float) -> dict[str, Any]:
     seen, n = seen_at(outlets), _particles(outlets)
     laws = {law.name: law for fit in (exponential, power) if (law := fit(seen)) is not None}
     diameter = outlets[0].rows[0]["diameter_m"] if outlets else None
+    # One start for all, since exponents of other parts of a curved tail are not to be compared.
+    tails = [tail(_waits(one), rest_time) for one in outlets]
+    start = max((one.start for one in tails if one is not None), default=0.0)
     return {
-        "outlets": [_at(one, n, rest_time) for one in outlets],
+        "outlets": [_at(one, n, rest_time, start) for one in outlets],
         "diameter_m": diameter,
         "n_particles": n,
         "independence": _independence(outlets),
         "laws": {name: dataclasses.asdict(law) for name, law in laws.items()},
-        "outlets_by_probability": _by_probability(seen, n, diameter),
+        "outlets_by_probability": _by_probability(seen, n, diameter, laws.get("exponential")),
     }
 
 
@@ -101,32 +121,46 @@ def _particles(outlets: Sequence[AtOutlet]) -> int | None:
     return round(sum(numbers) / len(numbers)) if numbers else None
 
 
-def _at(one: AtOutlet, n: int | None, rest_time: float) -> dict[str, Any]:
-    sizes, cut, mean = one.all_of("sizes"), one.all_of("cut"), one.mean
-    # Of the runs whose first flow came to a clog, or to as many particles as the silo holds.
-    known = [r for r in one.rows if r["first_clogged"] or r["first_size"] >= r["n_particles"]]
-    clogged = sum(r["first_clogged"] and r["first_size"] < r["n_particles"] for r in known)
-    arches = one.all_of("arch_particles")
-    waits = np.sum([row["waits"] for row in one.rows], axis=0).tolist()
-    correlation, beyond = independence(one.runs), mode(sizes, cut)
+def _waits(one: AtOutlet) -> list[int]:
+    """Numbers of waiting times, by bins."""
+    return [int(n) for n in np.sum([row["waits"] for row in one.rows], axis=0)]
+
+
+def _first_flow(one: AtOutlet) -> tuple[int, int]:
+    """Runs that clogged from the opening before as many particles left as the silo holds, of how
+    many: none, where a flow ended before without a clog, as what it would have done is not known.
+    """
+    both = [(run, row["n_particles"]) for run, row in zip(one.runs, one.rows, strict=True)]
+    if not all(run.first_clogged or run.first >= n for run, n in both):
+        return 0, 0
+    return sum(run.first_clogged and run.first < n for run, n in both), len(both)
+
+
+def _at(one: AtOutlet, n: int | None, rest_time: float, start: float) -> dict[str, Any]:
+    """Statistics of one outlet; start: of the waits' tails [s]."""
+    sizes, cut, mean = one.sizes, one.cut, one.mean
+    clogged, known = _first_flow(one)
+    arches, waits = one.all_of("arch_particles"), _waits(one)
+    beyond = mode(sizes, cut)
     value, low, high = empties(mean, n or 0)
     return {
         "outlet_m": one.outlet,
         "outlet_over_diameter": one.across,
-        "runs": len(known),
+        "runs": known,
         "clogged": clogged,
-        "share": clogged / len(known) if known else None,
-        "interval": list(wilson(clogged, len(known))),
+        "share": clogged / known if known else None,
+        "interval": list(wilson(clogged, known)),
         "avalanches": len(sizes),
         "cut": sum(cut),
         "mean_avalanche": mean.value,
         "mean_avalanche_interval": [mean.low, mean.high],
+        "runs_alike": scatter(one.runs)[1],
         "ratholes": sum(row["outcome"] == "rathole" for row in one.rows),
         "clogs_before_empty": 1 - value,
         "clogs_before_empty_interval": [1 - high, 1 - low],
         "form": _dict(form(sizes, cut)),
         "form_beyond_mode": _dict(form(sizes, cut, beyond)),
-        "independence": _dict(correlation),
+        "independence": _dict(independence([(run.sizes, run.cut) for run in one.runs])),
         "arch_particles": np.bincount(arches).tolist() if arches else [],
         "arch_particles_mean": float(np.mean(arches)) if arches else None,
         "arch_span_m": _median(one.all_of("arch_span_m")),
@@ -134,39 +168,45 @@ def _at(one: AtOutlet, n: int | None, rest_time: float) -> dict[str, Any]:
         "arches_not_found": sum(row["arches_not_found"] for row in one.rows),
         "breaks": sum(row["breaks"] for row in one.rows),
         "waits": waits,
-        "waits_tail": _dict(tail(waits, rest_time)),
+        "waits_tail": _dict(tail(waits, rest_time, start)),
         "cpu_s": math.fsum(row["cpu_s"] for row in one.rows),
     }
 
 
 def _independence(outlets: Sequence[AtOutlet]) -> dict[str, Any] | None:
-    """Rank correlation of successive sizes over their outlets' means, all outlets together."""
-    runs = [
-        ([size / mean for size in sizes], cut)
-        for one in outlets
-        if (mean := one.mean.value) is not None
-        for sizes, cut in one.runs
-    ]
+    """Rank correlation of successive sizes, all outlets together, by the rank at their own outlet:
+    sizes over the mean would link those of outlets whose sizes have unlike forms.
+    """
+    from scipy.stats import rankdata
+
+    runs: list[tuple[Sequence[float], Sequence[int]]] = []
+    for one in outlets:
+        of_all = iter(rankdata(one.sizes) / max(len(one.sizes), 1))
+        runs += [([float(next(of_all)) for _ in run.sizes], run.cut) for run in one.runs]
     return _dict(independence(runs))
 
 
-def _by_probability(seen: Outlets, n: int | None, diameter: float | None) -> list[dict[str, Any]]:
+def _by_probability(
+    seen: Outlets, n: int | None, diameter: float | None, law: Law | None
+) -> list[dict[str, Any]]:
     """Outlets at which silos clog with some probabilities P before they are empty.
 
-    (1 - 1/<s>)^n = 1 - P by the exponential law; larger ones than were seen are extrapolated.
+    (1 - 1/<s>)^n = 1 - P by the exponential law; larger ones than were seen are extrapolated, but
+    not by a law that those refute (p below 0.05).
     """
     lines: list[dict[str, Any]] = []
-    if not n or diameter is None:
+    if not n or diameter is None or law is None:
         return lines
+    holds = law.p_value is None or law.p_value >= REFUTED
     for probability in PROBABILITIES:
         found = outlet_of(1 / -math.expm1(math.log1p(-probability) / n), seen)
-        if found is not None:
-            ends = [None if end is None else end * diameter for end in (found.low, found.high)]
-            lines.append({
-                "probability": probability, "outlet_m": found.value * diameter, "interval_m": ends,
-                "outlet_over_diameter": found.value,
-                "extrapolated": bool(found.value > seen.across.max()),
-            })  # fmt: skip
+        if found is None or ((beyond := bool(found.value > seen.across.max())) and not holds):
+            continue
+        ends = [None if end is None else end * diameter for end in (found.low, found.high)]
+        lines.append({
+            "probability": probability, "outlet_m": found.value * diameter, "interval_m": ends,
+            "outlet_over_diameter": found.value, "extrapolated": beyond,
+        })  # fmt: skip
     return lines
 
 

@@ -89,7 +89,7 @@ def _sizes(axes: "Axes", one: AtOutlet, colour: str, label: str) -> None:
     mean = one.mean.value
     if mean is None:
         return
-    size, larger = survival(one.all_of("sizes"), one.all_of("cut"))
+    size, larger = survival(one.sizes, one.cut)
     shown = larger > 0
     axes.step(size[shown] / mean, larger[shown], where="post", color=colour, label=label, lw=1.0)
 

@@ -4,29 +4,33 @@ from collections.abc import Mapping
 from typing import Any
 
 from granulab.campaign.output.layout import columns, paragraphs, share
+from silo2d.measures.clogging.study import REFUTED
 
 _NOTES = """\
 <s>: particles that leave between two clogs, those of cut avalanches over the clogs; intervals are
-  of 95 %. The avalanche from the opening is not among them.
+  of 95 %. The avalanche from the opening is not among them. runs alike: p that the runs of an
+  outlet share one <s>; below 0.05 they scatter more than that, and the intervals are wider by it.
+first flow clogged: of the runs, before as many left as the silo holds; "-" where that is not known.
 clogs: probability that the filled silo, which is not refilled, clogs before it is empty, of <s>.
 beta: exponent of P(more than s) = exp(-lambda s^beta), from 20 clogs on; p: of an exponential.
 r: rank correlation of successive sizes. arch: particles, mean and most.
-alpha: of the waiting times' density t^-alpha, up to the time that counts as a clog."""
+alpha: of the waiting times' density t^-alpha, from one time on at all outlets up to that which
+  counts as a clog."""
 _NAMES = {"A": "A", "C": "C", "critical": "critical D/d", "g": "g"}
-_FORMS = {"exponential": "A exp(C (D/d)^2)", "power": "A (D_c/d - D/d)^-g"}
+_FORMS = {"exponential": "A exp(C (D/d)^2)", "power": "A (1 - D/D_c)^-g"}
 
 
 def in_words(found: Mapping[str, Any]) -> str:
     """Tables by outlet, the laws, and what they say of the silo."""
     outlets = found["outlets"]
     first = columns(
-        ["outlet", "D/d", "avalanches", "cut", "<s>", "clogs", "first flow clogged"],
+        ["outlet", "D/d", "avalanches", "cut", "<s>", "runs alike", "clogs", "first flow clogged"],
         [
             [
                 f"{1e3 * one['outlet_m']:g} mm", f"{one['outlet_over_diameter']:.2f}",
-                str(one["avalanches"]), str(one["cut"]), _mean(one),
+                str(one["avalanches"]), str(one["cut"]), _mean(one), _p(one["runs_alike"]),
                 _interval(one["clogs_before_empty"], one["clogs_before_empty_interval"], ".2f"),
-                share(one["clogged"], one["runs"]),
+                share(one["clogged"], one["runs"]) if one["runs"] else "-",
             ]
             for one in outlets
         ],
@@ -52,6 +56,10 @@ def _mean(one: Mapping[str, Any]) -> str:
     if one["mean_avalanche"] is None:
         return f"above {low:.0f}"
     return f"{one['mean_avalanche']:.1f} [{low:.1f}, {high:.1f}]"
+
+
+def _p(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}"
 
 
 def _interval(value: float | None, ends: Any, digits: str) -> str:
@@ -122,6 +130,9 @@ def _threshold(found: Mapping[str, Any]) -> list[str]:
             f"at an outlet of {_interval(1e3 * one['outlet_m'], ends, '.1f')} mm, "
             f"{one['outlet_over_diameter']:.2f} diameters (exponential law{beyond})"
         )
+    law = found["laws"].get("exponential")
+    if law and law["p_value"] is not None and law["p_value"] < REFUTED:
+        lines.append("the outlets refute the exponential law: it gives none beyond them")
     if (r := found["independence"]) is not None:
         of = "independent" if r["low"] <= 0 <= r["high"] else "not independent"
         lines.append(f"successive avalanches of all outlets are {of}: r = {_correlation(r)}")

@@ -3,8 +3,8 @@ Clogging as statistics
 ======================
 
 How does the mean number of particles between two clogs go with the outlet? A thousand avalanches
-of silo D3 (committed results) with A exp(C (D/d)^2) (Janda et al., *EPL* 84 (2008) 44002) and A
-(R_c - D/d)^-g (Zuriguel et al., *Phys. Rev. E* 71 (2005) 051303).
+of silo D3 (committed results) with A exp(C (D/d)^2) (Janda et al., *EPL* 84 (2008) 44002) and A (1
+- D/(d R_c))^-g (Zuriguel et al., *Phys. Rev. E* 71 (2005) 051303).
 
 On the command line, for one outlet::
 
