@@ -100,6 +100,34 @@ def test_interpolation_passes_through_negative_masses_and_between_frequencies_in
     assert field.at(20.0, 10.0 * 9.81 / (omega2 / 4)) == pytest.approx(-1 - 1j)
 
 
+@pytest.mark.parametrize("of", ["gamma", "amplitude"])
+def test_what_two_frequencies_share_is_found_between_them(of):
+    """A bed that does not reach its lid goes by Gamma, one that does by the amplitude: m falls as a
+    line of 1/Gamma or of 1/A, which the interpolation of the force meets exactly.
+
+    At the same Gamma the first is exact, and nothing else is made of it; at the same amplitude the
+    second is, where the same Gamma of 20 and 80 Hz misses it by a third.
+    """
+    gammas = np.array([1.0, 2, 4, 8, 16, 32, 64])
+
+    def mass(frequency, gamma):
+        return 1 + 2 / (gamma if of == "gamma" else gamma * (40 / frequency) ** 2) - 0.5j
+
+    points = [(f, g) for f in (20.0, 80.0) for g in gammas]
+    field = Field.of(*np.array(points).T, [mass(*one) for one in points], 1.0)
+    shake = 8.0 * 9.81 / (2 * math.pi * 40) ** 2
+    at_gamma, at_amplitude = (one.at(40.0, shake) for one in (field, field.by_amplitude()))
+    true = mass(40.0, 8.0)
+    exact, other = (at_gamma, at_amplitude) if of == "gamma" else (at_amplitude, at_gamma)
+    assert exact == pytest.approx(true, rel=1e-3)  # g of the code is 9.80665
+    if of == "gamma":
+        assert other == pytest.approx(true, rel=1e-3)
+    else:
+        assert abs(other - true) > 0.2
+    for f in (20.0, 80.0):  # at a frequency of the table both are the table
+        assert field.by_amplitude().at(f, 1e-4) == field.at(f, 1e-4)
+
+
 def test_a_frequency_of_the_table_reaches_as_far_as_its_own_points():
     field = Field.of([20.0, 20.0, 40.0, 40.0], [1.0, 20.0, 1.0, 5.0], [1.0] * 4, 1.0)
     ends = [field.knots(f)[0][0, -1] for f in (20.0, 30.0, 40.0)]

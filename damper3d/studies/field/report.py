@@ -149,10 +149,12 @@ def of_responses(
 
 
 def _edges(fields: Sequence[Field]) -> Iterator[list[Field]]:
-    """The fields with m' and m'' of all points moved together to the ends of their intervals."""
+    """The fields with m' and m'' of all points moved together to the ends of their intervals, and
+    with those between two frequencies by amplitude."""
     for a in (-1, 1):
         for b in (-1, 1):
             yield [field.shifted(a, b) for field in fields]
+    yield [field.by_amplitude() for field in fields]
 
 
 def _levels(

@@ -9,13 +9,15 @@ omega^3 |X|^2 m''/2, as the dashpot omega m'' to the ground would.
 
 Between the points of a frequency the force is taken as linear: m Gamma in Gamma. So a bed that
 rides along is met exactly, and so is one whose mass falls as 1/Gamma. Between two frequencies m is
-linear in ln f at the same Gamma. Below the least Gamma, m is as there (a straight line of the
+linear in ln f at the same Gamma, which is right of a bed that does not reach its lid; one that does
+goes by the amplitude. by_amplitude() goes as far that way as the frequencies differ at the same
+Gamma: to see by how much it matters. Below the least Gamma, m is as there (a straight line of the
 force from zero); above the greatest, and outside the frequencies, there is none.
 """
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -59,6 +61,7 @@ class Field:
     seeds: NDArray[np.int64]  # (n,) packings
     bed_mass: float  # of all particles [kg]
     head: tuple[str, ...] = ()  # lines on where it comes from
+    same_amplitude: bool = False  # between two frequencies, as far as these differ
 
     @classmethod
     def of(
@@ -103,7 +106,15 @@ class Field:
         return Field(
             self.frequency, self.gamma, self.in_phase + in_phase * a,
             self.out_of_phase + out_of_phase * b, *each, self.seeds, self.bed_mass, self.head,
+            self.same_amplitude,
         )  # fmt: skip
+
+    def by_amplitude(self) -> "Field":
+        """The field with m of the same amplitude between two frequencies, not of the same Gamma.
+
+        It is moved by no more than these differ at the same Gamma: where they agree, that is known.
+        """
+        return replace(self, same_amplitude=True)
 
     def knots(self, frequency: ArrayLike) -> tuple[Floats, Complexes]:
         """Knots of the force at each frequency (f,) [Hz]: Gammas (f, k) and m Gamma (f, k) [kg].
@@ -120,15 +131,20 @@ class Field:
                 "Hz; compute the field there (damper3d field --frequencies)"
             )
         gammas = np.concatenate([[0.0], np.unique(self.gamma)])
-        curves = [self._curve(f, gammas) for f in known]
         above = np.clip(np.searchsorted(known, wanted), 1, len(known) - 1) if len(known) > 1 else 0
         below = above - 1 if len(known) > 1 else 0
         low, high = known[below], known[above]
         with np.errstate(invalid="ignore"):
             part = np.nan_to_num(np.log(wanted / low) / np.log(high / low))[:, None]
-        force = np.array([force for _, force in curves])
-        last = np.array([last for last, _ in curves])
+        last = np.array([self.gamma[self.frequency == f][-1] for f in known])
+        force = np.array([self._curve(f, gammas) for f in known])
         joined = (1 - part) * force[below] + part * force[above]
+        if self.same_amplitude:
+            away = (1 - part) * self._at_amplitude(low, wanted, gammas) - joined
+            away += part * self._at_amplitude(high, wanted, gammas)
+            apart = np.abs(force[above] - force[below])
+            longest = np.maximum(np.abs(away), apart)
+            joined += away * np.divide(apart, longest, out=np.zeros_like(apart), where=longest > 0)
         # A frequency of the table has its own greatest Gamma, whatever its neighbour's.
         ends = np.minimum(
             np.where(part[:, 0] < 1, last[below], np.inf), np.where(part[:, 0] > 0, last[above],
@@ -138,11 +154,19 @@ class Field:
         index = np.minimum(np.arange(len(gammas)), inside.sum(axis=1, keepdims=True) - 1)
         return gammas[index], np.take_along_axis(np.atleast_2d(joined), index, axis=1)
 
-    def _curve(self, frequency: float, gammas: Floats) -> tuple[float, Complexes]:
-        """Greatest Gamma of a frequency of the table, and m Gamma at these Gammas."""
+    def _at_amplitude(self, own: Any, wanted: Floats, gammas: Floats) -> Complexes:
+        """m Gamma (f, k) at wanted frequencies and Gammas, m that of others (f,) at the amplitude;
+        beyond their greatest it is as there.
+        """
+        scale = (np.broadcast_to(own, wanted.shape) / wanted)[:, None] ** 2  # Gamma there over here
+        curves = zip(np.broadcast_to(own, wanted.shape), scale * gammas, strict=True)
+        return np.array([self._curve(*one) for one in curves]) / scale
+
+    def _curve(self, frequency: float, gammas: Floats) -> Complexes:
+        """Return m Gamma at these Gammas of a frequency of the table; beyond it m is as there."""
         own = self.frequency == frequency
-        g, m = self.gamma[own], self.mass[own]
-        return float(g[-1]), np.interp(gammas, np.append(0.0, g), np.append(0.0, m * g))
+        g, m = np.append(0.0, self.gamma[own]), self.mass[own]
+        return np.interp(gammas, g, np.append(0.0, m * g[1:])) * np.maximum(gammas / g[-1], 1.0)
 
     def at(self, frequency: float, amplitude: float) -> complex:
         """m' - i m'' [kg] at a frequency [Hz] and amplitude of the enclosure [m].
