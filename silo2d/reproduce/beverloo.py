@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 Row = dict[str, Any]
 
-SEEDS = 1
+SEEDS = 3
 COLUMNS = None
 SILOS = "A", "D"
 OUTLETS = 100, 110, 120, 130, 140, 150, 175, 200  # mm

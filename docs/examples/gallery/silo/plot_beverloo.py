@@ -4,11 +4,11 @@ Flow against outlet: Beverloo's law
 
 Does the flow follow W = rho_b sqrt(g) C (D - k d)^1.5 (Beverloo, Leniger and van de Velde, *Chem.
 Eng. Sci.* 15 (1961) 260), and does it need k? The rates are committed results
-of silo D with six outlets, one seed each.
+of a wide silo of small particles, with five outlets and three seeds each.
 
 On the command line, one of these runs::
 
-    $ silo2d run D4 --outlet "200 mm" --dry-run
+    $ silo2d run beverloo --outlet "46 mm" --dry-run
 """
 
 import matplotlib.pyplot as plt
@@ -23,7 +23,8 @@ from silo2d.reproduce.quantities.beverloo_law import fit_law
 # A table of results: its origin, and a row for each run.
 results = data_root().parent / "docs" / "results" / "silo2d"
 _, rows = read_results(results / "reproduce-beverloo.csv")
-rows = [row for row in rows if row["silo"] == "D"]
+# A run that clogged has no rate.
+rows = [row for row in rows if row["silo"] == "wide" and row["rate_kg_per_s"] is not None]
 outlet = 1e-3 * np.array([row["outlet_mm"] for row in rows])  # [m]
 rate, error, density = (
     np.array([row[key] for row in rows])
@@ -35,7 +36,7 @@ rate, error, density = (
 fit = fit_law(outlet, rate, density, rows[0]["grain_diameter_m"], error)
 print(f"C = {fit.c:.2f}, k = {fit.k:.2f}")
 
-fine = np.linspace(0.09, 0.21)
+fine = np.linspace(0.033, 0.06)
 plt.fill_between(fine, *fit.band(fine), color="0.9")
 plt.plot(fine, fit.rate(fine))
 plt.errorbar(outlet, rate, error, fmt="o")
