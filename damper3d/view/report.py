@@ -263,7 +263,7 @@ def report(result: Result) -> str:
         *[f"  damper           {_of_damper(row)}" for row in result.dampers or []],
         f"  motion           {result.phase or 'no phase named'}; bed's centre of mass "
         f"{_number(result.bed_height_m)} m up; largest force on the enclosure "
-        f"{result.peak_wall_force_n:.4g} N",
+        f"{result.peak_wall_force_n:.4g} N, mean over a sample",
         f"  impacts          largest over the yield velocity: {_impacts(result)}",
         *_validity(result.hertz_validity),
         *pulls_in_words(result.pulling, "{:.2%}".format, "at the ends of cycles "),

@@ -142,7 +142,7 @@ def in_words(results: dict[str, Any]) -> str:
         yields = "" if impact is None else f", impacts up to {impact:.2g} of the yield velocity"
         if beyond := best["impacts_beyond_yield"]:
             yields += f", {100 * beyond:.2g} % of them beyond it"
-        lines.append(f"the first, {force:.3g} N on its walls at most{yields}, "
+        lines.append(f"the first, {force:.3g} N on its walls at most, mean over a sample{yields}, "
                      f"{best['dissipated_power_w']:.3g} W")  # fmt: skip
     lines += [
         f"{one['what']:12} {one['reduction']:.3f}, {one['words']}{one['simulated']}"

@@ -263,7 +263,7 @@ _FACTS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "efficiency": ("efficiency", "{:.3f}".format),
     "dissipated_power_w": ("power dissipated", "{:.4g} W".format),
     "loss_factor": ("loss factor", "{:.3f}".format),
-    "peak_wall_force_n": ("largest force on it", "{:.4g} N".format),
+    "peak_wall_force_n": ("largest force on it, mean over a sample", "{:.4g} N".format),
     "phase": ("motion", lambda phase: str(phase).replace("_", " ")),
     "cycles": ("cycles", str),
     "energy_closure": ("energy unaccounted", lambda part: f"{100 * part:.2g} % of the dissipated"),
