@@ -73,7 +73,7 @@ def _drawn(
     element: ElementTree.Element, matrix: np.ndarray, names: tuple[str, ...], where: str
 ) -> Iterator[tuple[ElementTree.Element, np.ndarray, tuple[str, ...]]]:
     """The elements that are drawn, each with its matrix and the names of itself and its groups."""
-    if _tag(element) in _HIDDEN or element.get("display") == "none":
+    if _tag(element) in _HIDDEN or _display(element) == "none":
         return
     matrix = matrix @ _transform(element.get("transform", ""), where)
     own = [value for key, value in element.attrib.items() if key == "id" or key.endswith("}label")]
@@ -82,6 +82,15 @@ def _drawn(
     for child in element:
         if isinstance(child.tag, str):  # no comment
             yield from _drawn(child, matrix, names, where)
+
+
+def _display(element: ElementTree.Element) -> str | None:
+    """Return how an element is displayed: by its style, which goes before the attribute."""
+    for part in element.get("style", "").split(";"):
+        name, _, value = part.partition(":")
+        if name.strip() == "display":
+            return value.strip()
+    return element.get("display")
 
 
 def _tag(element: ElementTree.Element) -> str:

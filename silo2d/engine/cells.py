@@ -119,7 +119,8 @@ def wall_in_range(bodies, local, vertices, i, wall):
     v = bodies.layout[wall, FIRST]
     rx, ry = bodies.row[i, X] - vertices[v, VERTEX_X], bodies.row[i, Y] - vertices[v, VERTEX_Y]
     dx, dy = to_edge(rx, ry, vertices[v, EDGE_X], vertices[v, EDGE_Y], local[v, INV_LENGTH2])
-    far = bodies.size[i, BOUNDING_RADIUS] + bodies.skin[i, BODY_LIST]
+    far = bodies.size[i, BOUNDING_RADIUS]
+    far += bodies.skin[i, BODY_LIST] + bodies.skin[wall, BODY_LIST]
     return dx * dx + dy * dy < far * far
 
 

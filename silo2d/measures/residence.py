@@ -1,7 +1,7 @@
 """Residence time: when particles leave, by the level and the position that they start at.
 
 Residence time is from the opening to the passing of y = 0, of the particles that leave; those that
-stay are counted. Levels are the painted layers, positions are columns about two particles wide. The
+stay are counted. Particles that a refilling brings later are not: they start at no level. Levels are the painted layers, positions are columns about two particles wide. The
 order of leaving against starting height is Spearman's rank correlation: 1 where the lowest leave
 first (first in, first out, if the silo was filled from below), -1 where the highest do.
 """
@@ -28,17 +28,19 @@ def measure(folder: Path) -> dict[str, Any]:
     Raises InputError where no particle left.
     """
     scene = read_scene(folder)
-    left, _ = leavers(scene, 1, "a residence time")
-    static, times = scene.trajectory.static, scene.trajectory["out_time"][-1]
-    names, layer = np.unique(static["layer"], return_inverse=True)
+    leavers(scene, 1, "a residence time")
+    filled = scene.trajectory["inside"][0]
+    times = scene.trajectory["out_time"][-1][filled]
+    left = times[~np.isnan(times)]
+    names, layer = np.unique(scene.trajectory.static["layer"][filled], return_inverse=True)
     edges = column_edges(scene)
-    column = np.digitize(scene.trajectory["x"][0], edges[1:-1])
+    column = np.digitize(scene.trajectory["x"][0][filled], edges[1:-1])
     return {
         "n_out": len(left),
         "n_staying": int(np.isnan(times).sum()),
-        "mean_s": float(left.mean()),
+        "mean_s": float(left.mean()) if len(left) else None,
         "sd_s": float(left.std(ddof=1)) if len(left) > 1 else None,
-        "order_by_height": order_of_leaving(start_height(scene), times),
+        "order_by_height": order_of_leaving(start_height(scene)[filled], times),
         "by_layer": [
             {"layer": int(name), **_of(times[layer == k])} for k, name in enumerate(names)
         ],

@@ -41,7 +41,7 @@ def measure(folder: Path) -> dict[str, Any]:
     Frames with fewer than 100 particles inside have none. Raises InputError where all are alike.
     """
     scene = read_scene(folder)
-    found, inside = components(scene), in_silo(scene) & scene.trajectory["inside"]
+    found, inside = components(scene), in_silo(scene)
     enough = np.flatnonzero(inside.sum(axis=1) >= _FEWEST)
     if not len(enough):
         raise InputError(f"fewer than {_FEWEST} particles: too few for cells of a mixture")

@@ -95,6 +95,8 @@ def _touching(
     distance = (outlines - wall[0]) @ inwards
     before_end = (lower - outlines) @ along
     distance[(before_end < 0) | (before_end > length)] = np.inf
+    # On the other side of an insert or round a corner: no outline is so deep in a wall.
+    distance[distance < -gap] = np.inf
     nearest = distance.argmin(axis=1)
     rows = np.arange(len(outlines))
     near = distance[rows, nearest] <= gap

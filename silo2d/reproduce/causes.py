@@ -212,8 +212,9 @@ def _noise(
 
 
 def certainty(variants: int) -> float:
-    """Confidence at which chance alone makes one of all variants differ in 5 % of studies."""
-    return 1.0 - (1.0 - CONFIDENCE) / max(variants - 1, 1)
+    """Confidence of both tests of each variant, counts and time, at which chance alone excludes one
+    of all variants in 5 % of studies at most (Bonferroni)."""
+    return 1.0 - (1.0 - CONFIDENCE) / (2 * variants)
 
 
 def _chance(counts: dict[str, tuple[int, int]], others: dict[str, tuple[int, int]]) -> float | None:

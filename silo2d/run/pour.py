@@ -30,6 +30,7 @@ _FRAME = 5e-3  # [s] between looks at the kinetic energy
 _SAMPLES = 5  # of the forces at the walls from look to look
 _POURING = 0.95  # part of the cost of a layer that is poured and levelled
 _SLOWED = 1.5  # over the mean, how slow the decay of the energy is once the rain is down
+_ASIDE = 0.014  # of the largest bounding radius: within what the rain leaves free on each side
 _PATIENCE = 6.0  # [s] of simulated time; a filling has settled long before
 
 _ATTEMPTS = 4
@@ -43,7 +44,8 @@ def rain(
     """Kinds (n,) and poses (n, 3) of enough particles for a layer, none touching another.
 
     They stand in staggered rows from the door up, or above what lies there, in the silo and over
-    it, each rotated at random; the lower they start, the sooner they lie still. Also returns how
+    it, each rotated at random; the lower they start, the sooner they lie still. Discs of one size,
+    which no angle tells apart, stand off their places at random. Also returns how
     far [m] the side walls must be prolonged to hold them. Without a layer it is the whole filling.
     """
     positions, top = rows_of_rain(
@@ -52,6 +54,9 @@ def rain(
     n = len(positions)
     kinds = rng.choice(len(case.shapes.shapes), size=n, p=case.shapes.shares)
     poses = np.column_stack([positions, rng.uniform(0, 2 * math.pi, n)])
+    if len(case.shapes.shapes) == 1 and len(case.shapes.shapes[0].core) == 1:
+        aside = _ASIDE * case.shapes.bounding_radius
+        poses[:, :2] += rng.uniform(-aside, aside, (n, 2))
     return kinds, poses, max(top - case.outline.height, 0.0) + PITCH * case.shapes.bounding_radius
 
 

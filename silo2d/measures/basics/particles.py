@@ -62,9 +62,11 @@ def outlet_centre(scene: Scene) -> float:
 
 
 def in_silo(scene: Scene) -> NDArray[np.bool_]:
-    """Mask (F, n) of the particles that have not passed y = 0 at each frame."""
+    """Mask (F, n) of the particles that are in the silo at each frame: they have not passed y = 0,
+    were not taken out, and wait in no store.
+    """
     out_time = scene.trajectory["out_time"][-1]
-    return ~(out_time <= scene.time[:, None])  # NaN: never
+    return scene.trajectory["inside"] & ~(out_time <= scene.time[:, None])  # NaN: never
 
 
 def leavers(scene: Scene, fewest: int = 0, what: str = "this") -> tuple[Series, Series]:

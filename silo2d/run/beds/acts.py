@@ -14,7 +14,6 @@ from silo2d.run.ending import LOOK
 from silo2d.run.packing import Packing
 from silo2d.run.refill import Surface, put_on
 
-_CUTS = 0.1  # of the spheroradius: how far a particle stands in the gate that it is taken with
 _DIRECTIONS = {"vertical": (0.0, 1.0), "horizontal": (1.0, 0.0)}
 
 
@@ -117,7 +116,7 @@ class Acts:
             cos, sin = np.cos(angle), np.sin(angle)
             core = shape.core @ np.array([[cos, sin], [-sin, cos]]) + (x, y) - ends[0]
             aside, at = core @ normal, core @ tangent
-            r = (1 - _CUTS) * shape.spheroradius
+            r = shape.spheroradius  # whoever touches it: an overlap would come from nothing
             if aside.min() < r and aside.max() > -r and at.min() < length and at.max() > 0.0:
                 found.append(i)
         return found
