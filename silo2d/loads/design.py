@@ -58,10 +58,8 @@ def load_beside(
         document[name] = table | document.get(name, {})
     beside = BESIDE.check(changed(document, dict(changes), Beside), where)
     with located(f"{where}: [solid]"):  # before anything is run for it
-        if beside.solid.name is not None:
-            find_row(beside.solid.name)
         _flow_function(beside.solid.flow_function)
-        _check_angles(beside.solid)
+        _check(_known(beside.solid, {}))
     return beside
 
 
@@ -97,30 +95,34 @@ def design_of(
 
 def resolve_solid(own: SolidKeys, given: Mapping[str, float]) -> tuple[Solid, list[str]]:
     """The solid of the keys, table E.1 and what is given otherwise; and what was assumed."""
-    row = None if own.name is None else find_row(own.name)
-    known: dict[str, float] = dict(given)
-    assumed: list[str] = []
-    for name in SolidKeys.model_fields:
-        value = getattr(own, name)
-        if isinstance(value, float):
-            known[name] = value
-        elif row is not None and name not in given and (found := _of_row(row, name, own)):
-            known[name] = found
+    known, assumed = _known(own, given), []
     for name in ("unit_weight", "internal_friction", "wall_friction"):
         if name not in known:
             raise InputError(
                 f"{name} is missing; give it, such as {_EXAMPLES[name]}, or name = 'wheat', a line "
                 "of EN 1991-4, table E.1"
             )
+    _check(known)
     for name, make, words in _ASSUMED:
         if name not in known:
             known[name] = make(known)
             assumed.append(words)
     title = own.name or "as given"
     names = (one for one in Solid.__dataclass_fields__ if one != "name")
-    solid = Solid(title, **{one: float(known[one]) for one in names})
-    _check_angles(solid)
-    return solid, assumed
+    return Solid(title, **{one: float(known[one]) for one in names}), assumed
+
+
+def _known(own: SolidKeys, given: Mapping[str, float]) -> dict[str, float]:
+    """Properties by the keys, else as given, else by table E.1."""
+    row = None if own.name is None else find_row(own.name)
+    known = dict(given)
+    for name in SolidKeys.model_fields:
+        value = getattr(own, name)
+        if isinstance(value, float):
+            known[name] = value
+        elif row is not None and name not in given and (found := _of_row(row, name, own)):
+            known[name] = found
+    return known
 
 
 _EXAMPLES = {
@@ -146,13 +148,33 @@ def _of_row(row: Row, name: str, own: SolidKeys) -> float | None:
     return getattr(row, name, None)
 
 
-def _check_angles(solid: Solid | SolidKeys) -> None:
+def _check(known: Mapping[str, float]) -> None:
+    """Refuse properties that no solid has, upper characteristic values among them."""
     for name in ("repose", "internal_friction", "effective_friction"):
-        angle = getattr(solid, name)
-        if angle is not None and not 5 <= math.degrees(angle) <= 75:
+        if name in known and not 5 <= math.degrees(known[name]) <= 75:
             raise InputError(
-                f"{name} = {math.degrees(angle):.4g} deg: solids have 5 to 75 deg; check the unit"
+                f"{name} = {math.degrees(known[name]):.4g} deg: solids have 5 to 75 deg; check "
+                "the unit"
             )
+    angle = known.get("internal_friction")
+    if angle is not None:
+        _check_upper(known, "internal_friction", math.degrees(angle), 90.0, " deg")
+    if "lateral_ratio" in known:
+        _check_upper(known, "lateral_ratio", known["lateral_ratio"], 1.0)
+    elif angle is not None:
+        _check_upper(known, "lateral_ratio", lateral_ratio_of(angle), 1.0, by=" by eq. 4.7")
+
+
+def _check_upper(
+    known: Mapping[str, float], name: str, mean: float, limit: float, unit: str = "", by: str = ""
+) -> None:
+    factor = known.get(f"{name}_factor", 1.0)
+    if mean * factor >= limit:
+        raise InputError(
+            f"{name} = {mean:.4g}{unit}{by}: times {name}_factor = {factor:.4g} it is "
+            f"{mean * factor:.4g}{unit}; must be below {limit:g}{unit}: give less than "
+            f"{limit / factor:.4g}{unit}"
+        )
 
 
 def _flow_function(points: list[list[float]]) -> tuple[tuple[float, float], ...]:

@@ -416,6 +416,7 @@ WRONG = [
     (["A4", "--seeds", "2", "--seed", "3"], ["--seeds says this"]),
     (["nowhere"], ["no such preset"]),
     (["A4", "--solid", "wheet"], ["did you mean 'wheat'"]),
+    (["A4", "--solid", "wheat", "--lateral-ratio", "0.95"], ["lateral_ratio = 0.95", "0.9009"]),
     (["A4", "--repose", "400 deg"], ["repose = 400 deg", "5 to 75 deg"]),
     (["A4", "--silo", "none.toml"], ["none.toml: no such file", "--loads"]),
     (["--silo", "none.toml"], ["none.toml: no such file"]),
