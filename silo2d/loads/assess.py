@@ -9,7 +9,7 @@ import numpy as np
 from silo2d.loads import bottom, jenike
 from silo2d.loads.design import Design
 from silo2d.loads.janssen import Floats, janssen_stress
-from silo2d.loads.solid import LOAD_CASES, Values, as_numbers, characteristic
+from silo2d.loads.solid import LOAD_CASES, Values, as_numbers, at_hopper, characteristic
 from silo2d.loads.walls import (
     LARGE_ECCENTRICITY,
     Patch,
@@ -109,25 +109,22 @@ class Loads:
     def _hopper(self, top: float) -> dict[str, Any]:
         vessel, weight = self.vessel, self.solid.unit_weight
         assert vessel.half_angle is not None
-        on = {"filling": bottom.hopper_filling, "discharge": bottom.hopper_discharge}
-        values = {state: self.values(f"hopper_{state}") for state in on}
-        steep = {state: bottom.is_steep(vessel.half_angle, v) for state, v in values.items()}
-        found: dict[str, Any] = {
-            "kind": "steep" if steep["discharge"] else "shallow",
-            "steepness_differs": len(set(steep.values())) > 1,
+        lower = self.values("hopper_filling")
+        upper = lower if self.rules.assessment_class == 1 else at_hopper(self.solid, (1, 1, 1))
+        limits = bottom.steep_up_to(lower), bottom.steep_up_to(upper)
+        steep = [vessel.half_angle < limit for limit in limits]
+        filling = discharge = bottom.hopper_filling(vessel, weight, top, lower, _DEPTHS)
+        if steep[0]:
+            flowing = self.values("hopper_discharge")
+            discharge = bottom.hopper_discharge(vessel, weight, top, flowing, _DEPTHS)
+        return {
+            "kind": "steep" if steep[0] else "shallow",
+            "steep_up_to_deg": math.degrees(limits[0]),
+            "steep_up_to_by_upper_values_deg": math.degrees(limits[1]),
+            "steepness_differs": steep[0] != steep[1],
+            "filling": _of_hopper(filling),
+            "discharge": _of_hopper(discharge),
         }
-        for state, make in on.items():
-            own = make(vessel, weight, top, values[state], _DEPTHS)
-            found[state] = {
-                "height_m": own.height.tolist(),
-                "vertical_pa": own.vertical.tolist(),
-                "normal_pa": own.normal.tolist(),
-                "friction_pa": own.friction.tolist(),
-                "F": own.factor,
-                "n": own.exponent,
-                "effective_friction": own.effective_friction,
-            }
-        return found
 
     def jenike(self) -> dict[str, Any]:
         """Mass or funnel flow, and the outlets that do not arch or rathole."""
@@ -172,6 +169,18 @@ class Loads:
                 "(5.2.4, 5.3.4) are NOT made here and govern"
             )
         return [*words, *self.design.assumptions]
+
+
+def _of_hopper(own: bottom.Hopper) -> dict[str, Any]:
+    return {
+        "height_m": own.height.tolist(),
+        "vertical_pa": own.vertical.tolist(),
+        "normal_pa": own.normal.tolist(),
+        "friction_pa": own.friction.tolist(),
+        "F": own.factor,
+        "n": own.exponent,
+        "effective_friction": own.effective_friction,
+    }
 
 
 def jenike_numbers(

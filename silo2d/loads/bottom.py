@@ -10,9 +10,10 @@ Mean vertical stress in a hopper at a height x over its apex (6.1.2), under p_vf
                           eps = phi_wh + asin(sin phi_wh/sin phi_i)                       (6.3)
     shallow               mu_eff = (1 - K)/(2 tan beta); on discharge as on filling       (6.4)
 
-steep where tan beta < (1 - K)/(2 mu_h) (6.1.1). beta is the half angle from the vertical, S is 2
-for cones and pyramids, 1 for wedges. n is what the balance of a slice gives, x dp_v/dx = n p_v -
-gamma x; of cones and pyramids it is the standard's S (F mu_eff cot beta + F) - 2.
+A hopper is steep, once for all its loads, where tan beta < (1 - K)/(2 mu_h) with the lower values
+of K and mu_h (6.1.1), those of the load case of filling. beta is the half angle from the vertical,
+S is 2 for cones and pyramids, 1 for wedges. n is what the balance of a slice gives, x dp_v/dx =
+n p_v - gamma x; of cones and pyramids it is the standard's S (F mu_eff cot beta + F) - 2.
 """
 
 import math
@@ -61,9 +62,9 @@ class Hopper(NamedTuple):
     effective_friction: float  # mu_eff [-]
 
 
-def is_steep(half_angle: float, values: Values) -> bool:
-    """tan beta < (1 - K)/(2 mu_h) (6.1.1)."""
-    return math.tan(half_angle) * 2 * values.wall_friction < 1 - values.lateral_ratio
+def steep_up_to(values: Values) -> float:
+    """Half angle [rad] below which a hopper is steep: tan beta = (1 - K)/(2 mu_h) (6.1.1)."""
+    return math.atan2(1 - values.lateral_ratio, 2 * values.wall_friction)
 
 
 def _pressures(
@@ -83,8 +84,11 @@ def _pressures(
 
 
 def effective_friction(half_angle: float, values: Values) -> float:
-    """mu_h of a steep hopper, mobilised (1 - K)/(2 tan beta) of a shallow one (6.3, 6.4)."""
-    if is_steep(half_angle, values):
+    """mu_h of a steep hopper, mobilised (1 - K)/(2 tan beta) of a shallow one (6.3, 6.4).
+
+    values: of the load case "hopper_filling", the lower ones, which decide what the hopper is.
+    """
+    if half_angle < steep_up_to(values):
         return values.wall_friction
     return (1.0 - values.lateral_ratio) / (2.0 * math.tan(half_angle))
 
@@ -103,11 +107,9 @@ def hopper_filling(
 def hopper_discharge(
     vessel: Vessel, unit_weight: float, top: float, values: Values, points: int = 33
 ) -> Hopper:
-    """Pressures in a hopper on discharge (6.3.3); in a shallow one those of filling (6.4.3)."""
+    """Pressures in a steep hopper on discharge (6.3.3); a shallow one keeps those of filling."""
     beta = vessel.half_angle
     assert beta is not None
-    if not is_steep(beta, values):
-        return hopper_filling(vessel, unit_weight, top, values, points)
     mu, sine = values.wall_friction, math.sin(values.internal_friction)
     wall = math.atan(mu)
     angle = wall + math.asin(min(math.sin(wall) / sine, 1.0))

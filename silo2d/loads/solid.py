@@ -64,8 +64,19 @@ class Values(NamedTuple):
 
 def characteristic(solid: Solid, load_case: str, means: bool = False) -> Values:
     """The values of table 3.1 for a load case; means: those of assessment class 1 (2.5, 4.2)."""
-    mu, ratio, phi = (0, 0, 0) if means else LOAD_CASES[load_case]
-    friction = solid.hopper_friction if "hopper" in load_case else solid.wall_friction
+    ends = (0, 0, 0) if means else LOAD_CASES[load_case]
+    if "hopper" in load_case:
+        return at_hopper(solid, ends)
+    return _values(solid, solid.wall_friction, ends)
+
+
+def at_hopper(solid: Solid, ends: tuple[int, int, int]) -> Values:
+    """Values with the friction at the hopper; ends: as LOAD_CASES has them, 0 for the mean."""
+    return _values(solid, solid.hopper_friction, ends)
+
+
+def _values(solid: Solid, friction: float, ends: tuple[int, int, int]) -> Values:
+    mu, ratio, phi = ends
     internal = solid.internal_friction * solid.internal_friction_factor**phi
     return Values(
         min(friction * solid.wall_friction_factor**mu, math.tan(internal)),

@@ -17,7 +17,7 @@ from silo2d.loads.solid import Values, characteristic, lateral_ratio_of, table_e
 from silo2d.loads.spec import commented_spec
 from silo2d.loads.vessel import Vessel
 from silo2d.loads.walls import Wall
-from silo2d.view.loads.tables import jenike_facts
+from silo2d.view.loads.tables import bottom_parts, jenike_facts
 
 DEG = math.pi / 180
 CIRCULAR = Vessel("circular", 5.0, 5.0, 8.0)
@@ -237,17 +237,18 @@ def test_lateral_ratios_of_table_e1_follow_from_the_friction():
 
 
 @pytest.mark.parametrize("shape", ["cone", "wedge"])
-@pytest.mark.parametrize("beta", [15.0, 50.0])
-@pytest.mark.parametrize("make", [bottom.hopper_filling, bottom.hopper_discharge])
-def test_slice_of_a_hopper_is_in_balance(shape, beta, make):
+@pytest.mark.parametrize(
+    ("make", "beta"),
+    [(bottom.hopper_filling, 15.0), (bottom.hopper_filling, 50.0), (bottom.hopper_discharge, 15.0)],
+)
+def test_slice_of_a_hopper_is_in_balance(shape, make, beta):
     """x dp_v/dx = n p_v - gamma x, n = S (F (mu cot beta + 1) - 1) with the very F and mu_eff that
     the pressures on the wall have, and p_v is p_vft at the transition. By differences on 2001
     points: 1e-6."""
     vessel = Vessel("circular", 5.0, 5.0, 15.0, beta * DEG, 0.5, shape)
     values = Values(0.35, 0.5, 32 * DEG)
     own = make(vessel, 9e3, 60e3, values, 2001)
-    steep = bottom.is_steep(beta * DEG, values)
-    assert steep == (beta == 15.0)
+    assert (beta * DEG < bottom.steep_up_to(values)) == (beta == 15.0)
     surface = 2 if shape == "cone" else 1
     n = surface * (own.factor * (own.effective_friction / math.tan(beta * DEG) + 1) - 1)
     slope = np.gradient(own.vertical, own.height, edge_order=2)
@@ -256,6 +257,39 @@ def test_slice_of_a_hopper_is_in_balance(shape, beta, make):
     assert own.vertical[-1] == pytest.approx(60e3)
     np.testing.assert_allclose(own.friction, own.effective_friction * own.normal)
     np.testing.assert_allclose(own.normal, own.factor * own.vertical)
+
+
+@pytest.mark.parametrize("past", [-0.1, 0.1])
+def test_hopper_is_steep_or_shallow_once_for_filling_and_discharge(tmp_path, past):
+    """EN 1991-4, 6.1.1: by the lower values of K and mu_h. Wheat: tan beta = (1 - 0.54/1.11)/(2 x
+    0.38/1.16). Up to there discharge has F_e, beyond it is filling, whose mu_eff meets mu_h: 1 %
+    from a limit to 0.1 deg beyond."""
+    limit = math.atan((1 - 0.54 / 1.11) / (2 * 0.38 / 1.16)) / DEG
+    path = tmp_path / "wheat.toml"
+    path.write_text(WHEAT.replace("20 deg", f"{limit + past} deg"))
+    own = closed_forms(load_design(path))["bottom"]
+    assert own["steep_up_to_deg"] == pytest.approx(limit)
+    assert own["kind"] == ("steep" if past < 0 else "shallow")
+    assert own["filling"]["effective_friction"] == pytest.approx(0.38 / 1.16, rel=0.01)
+    if past < 0:
+        assert own["discharge"]["F"] > 1.05 * own["filling"]["F"]
+    else:
+        assert own["discharge"] == own["filling"]
+
+
+@pytest.mark.parametrize(("half_angle", "said"), [(20, False), (31.4, True), (50, False)])
+def test_report_says_where_the_scatter_decides_what_a_hopper_is(tmp_path, half_angle, said):
+    """Steep up to 38.1 deg by the lower values of wheat, up to 24.4 deg by the upper ones (1 - 0.54
+    x 1.11 over 2 x 0.38 x 1.16); without scatter, in class 1, nothing differs."""
+    path = tmp_path / "wheat.toml"
+    path.write_text(WHEAT.replace("20 deg", f"{half_angle} deg"))
+    for changes, expected in (({}, said), ({"rules.assessment_class": 1}, False)):
+        parts = bottom_parts(closed_forms(load_design(path, changes)))
+        words = [part.words for part in parts if getattr(part, "name", "") == "steep hopper"]
+        assert bool(words) == expected
+        for line in words:
+            assert "38.1 deg" in line
+            assert "24.4 deg" in line
 
 
 def test_smooth_upright_hopper_is_passive():

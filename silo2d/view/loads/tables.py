@@ -130,11 +130,24 @@ def bottom_parts(forms: Mapping[str, Any]) -> list[Part]:
         for k, x in enumerate(filling["height_m"]) if k % (2 * _EVERY) == 0
     ]  # fmt: skip
     return [
+        *_steepness(own),
         Fact("bottom", f"{own['kind']} hopper: {pressure(own['vertical_at_transition_pa'])} kPa at "
                        f"the transition, C_b = {own['C_b']:g}; F_f = {filling['F']:.3f}, F_e = "
                        f"{discharge['F']:.3f}, mu_eff = {discharge['effective_friction']:.3f}"),
         Table("hopper [kPa], x above its apex",
               ("x [m]", "p_v fill", "p_nf", "p_tf", "p_v disch", "p_ne", "p_te"), rows),
+    ]  # fmt: skip
+
+
+def _steepness(own: Mapping[str, Any]) -> list[Part]:
+    """Steep or shallow, where that hangs on the scatter of the properties."""
+    if not own["steepness_differs"]:
+        return []
+    return [
+        Fact("steep hopper", f"up to {own['steep_up_to_deg']:.3g} deg by the lower values of K and "
+                             "mu_h, which decide (6.1.1); by the upper ones up to "
+                             f"{own['steep_up_to_by_upper_values_deg']:.3g} deg, and this one "
+                             "would be shallow"),
     ]  # fmt: skip
 
 
