@@ -158,6 +158,8 @@ class Loads:
             words.append(
                 f"slot: plates {rubs}, A/U = {self.vessel.area / self.vessel.perimeter:.4g} m"
             )
+        if not self.vessel.is_flat and self.vessel.friction_shape not in (1.0, 2.0):
+            words.append("pyramid: F and mu_eff of its longer sides on its flatter ends, too")
         tonnes = self.vessel.volume * self.solid.unit_weight / _GRAVITY / 1e3
         if self.rules.assessment_class == 1 and tonnes > _SMALL:
             words.append(

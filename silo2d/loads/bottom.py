@@ -3,17 +3,22 @@
 Mean vertical stress in a hopper at a height x over its apex (6.1.2), under p_vft at the transition:
 
     p_v(x) = gamma h_h/(n - 1) (x/h_h - (x/h_h)^n) + p_vft (x/h_h)^n
-    n      = S (F mu_eff cot beta + F - 1),    p_n = F p_v,   p_t = mu_eff p_n
+    n      = F (m + S mu_eff cot beta) - m,    p_n = F p_v,   p_t = mu_eff p_n
 
-    filling               F_f = 1 - b/(1 + tan beta/mu_eff),  b = 0.2, n = S (1 - b) mu_eff cot beta
+    filling               F_f = 1 - b/(1 + tan beta/mu_eff),  b = 0.2
     discharge, steep      F_e = (1 + sin phi_i cos eps)/(1 - sin phi_i cos(2 beta + eps)),
                           eps = phi_wh + asin(sin phi_wh/sin phi_i)                       (6.3)
     shallow               mu_eff = (1 - K)/(2 tan beta); on discharge as on filling       (6.4)
 
 A hopper is steep, once for all its loads, where tan beta < (1 - K)/(2 mu_h) with the lower values
-of K and mu_h (6.1.1), those of the load case of filling. beta is the half angle from the vertical,
-S is 2 for cones and pyramids, 1 for wedges. n is what the balance of a slice gives, x dp_v/dx =
-n p_v - gamma x; of cones and pyramids it is the standard's S (F mu_eff cot beta + F) - 2.
+of K and mu_h (6.1.1), those of the load case of filling. beta is the half angle from the vertical.
+
+n is what the balance of a slice gives, x dp_v/dx = n p_v - gamma x. A hopper converges in m = 2
+directions, a wedge in one. A pyramid over a rectangle b x a, beta that of the walls b apart, lifts
+a slice of area A = a b (x/h_h)^2 by the pressure on its walls, 2 F p_v A/x, and by friction along
+2 (a + b) x/h_h, so that S = 1 + b/a; F and mu_eff are those of beta on all four walls. S is 2 of
+cones and square pyramids, 1 of wedges, the standard's own; of cones, n is its S (F mu_eff cot beta
++ F) - 2, on filling 2 (1 - b) mu_eff cot beta.
 """
 
 import math
@@ -67,6 +72,14 @@ def steep_up_to(values: Values) -> float:
     return math.atan2(1 - values.lateral_ratio, 2 * values.wall_friction)
 
 
+def _exponent(vessel: Vessel, factor: float, mu: float) -> float:
+    """n = F (m + S mu cot beta) - m [-]."""
+    assert vessel.half_angle is not None
+    directions = HOPPERS[vessel.hopper]
+    rubbing = vessel.friction_shape * mu / math.tan(vessel.half_angle)
+    return factor * (directions + rubbing) - directions
+
+
 def _pressures(
     vessel: Vessel, unit_weight: float, top: float, mu: float, factor: float, n: float, points: int
 ) -> Hopper:
@@ -100,7 +113,7 @@ def hopper_filling(
     assert vessel.half_angle is not None
     slope, mu = math.tan(vessel.half_angle), effective_friction(vessel.half_angle, values)
     factor = 1.0 - _B / (1.0 + slope / mu) if mu else 1.0
-    n = HOPPERS[vessel.hopper] * (1.0 - _B) * mu / slope
+    n = _exponent(vessel, factor, mu)
     return _pressures(vessel, unit_weight, top, mu, factor, n, points)
 
 
@@ -114,5 +127,5 @@ def hopper_discharge(
     wall = math.atan(mu)
     angle = wall + math.asin(min(math.sin(wall) / sine, 1.0))
     factor = (1.0 + sine * math.cos(angle)) / (1.0 - sine * math.cos(2.0 * beta + angle))
-    n = HOPPERS[vessel.hopper] * (factor * mu / math.tan(beta) + factor - 1.0)
+    n = _exponent(vessel, factor, mu)
     return _pressures(vessel, unit_weight, top, mu, factor, n, points)

@@ -43,7 +43,10 @@ class Geometry(Section):
         example="15 m",
     )  # fmt: skip
     half_angle: Annotated[Angle, Field(gt=0, lt=_FLAT)] | None = key(
-        None, "of the hopper, from the vertical", example="20 deg", left_out="a flat bottom"
+        None,
+        "of the hopper, from the vertical; of a pyramid that of its longer sides",
+        example="20 deg",
+        left_out="a flat bottom",
     )
     hopper: Literal["cone", "pyramid", "wedge"] | None = key(
         None, "shape of the hopper", example="cone",

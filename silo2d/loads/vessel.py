@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from granulab.errors import InputError
 
-HOPPERS = {"cone": 2, "pyramid": 2, "wedge": 1}  # S of EN 1991-4:2006, 6.1.2
+HOPPERS = {"cone": 2, "pyramid": 2, "wedge": 1}  # directions in which a hopper converges
 _FLAT = math.radians(85)  # half angle beyond which a bottom is flat: 5 deg from level (6.1.1)
 RETAINING, SQUAT, SLENDER = 0.4, 1.0, 2.0  # h_c/d_c between the classes (5.1)
 
@@ -23,7 +23,8 @@ class Vessel:
     width         d_c: diameter, or the smaller side; of a slot the distance of its walls
     length        larger side; of a slot the distance of its plates
     height        h_c, from the transition to the equivalent (levelled) surface
-    half_angle    of the hopper, from the vertical [rad]; None: a flat bottom
+    half_angle    of the hopper, from the vertical [rad], of a pyramid that of the walls that are
+                  `width` apart at its top; None: a flat bottom
     outlet        width of the outlet
     thin          whether the wall of a circular silo is thin, d_c/t > 200 (5.2.1)
     rough_plates  whether the plates of a slot rub
@@ -92,6 +93,13 @@ class Vessel:
         """h_h [m], from the apex of the hopper to the transition."""
         assert self.half_angle is not None
         return self.characteristic_width / 2.0 / math.tan(self.half_angle)
+
+    @property
+    def friction_shape(self) -> float:
+        """S of EN 1991-4:2006, 6.1.2: 2 of cones and square pyramids, 1 of wedges, else 1 + b/a."""
+        if self.hopper == "pyramid" and self.plan != "circular":
+            return 1.0 + self.width / self.length
+        return float(HOPPERS[self.hopper])
 
     @property
     def volume(self) -> float:

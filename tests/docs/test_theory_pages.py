@@ -358,7 +358,7 @@ def hopper() -> dict[str, Any]:
     found = bottom.hopper_filling(SILO, 16e3, 7e4, STEEP)
     k = int(np.argmin(abs(found.height / SILO.hopper_height - 0.4)))
     return {r"\gamma": 16e3, "h_h": SILO.hopper_height, "x": found.height[k], "p_vft": 7e4,
-            "S": 2.0, "F": found.factor, r"\mu_e": 0.3, r"\beta": SILO.half_angle,
+            "m": 2.0, "S": 2.0, "F": found.factor, r"\mu_e": 0.3, r"\beta": SILO.half_angle,
             "p_v": found.vertical[k], "n": found.exponent}  # fmt: skip
 
 

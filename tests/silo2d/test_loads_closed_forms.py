@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from refusals import assert_refuses
+from scipy.integrate import solve_ivp
 
 from silo2d.loads import bottom, jenike, walls
 from silo2d.loads.assess import Loads, closed_forms
@@ -257,6 +258,30 @@ def test_slice_of_a_hopper_is_in_balance(shape, make, beta):
     assert own.vertical[-1] == pytest.approx(60e3)
     np.testing.assert_allclose(own.friction, own.effective_friction * own.normal)
     np.testing.assert_allclose(own.normal, own.factor * own.vertical)
+
+
+@pytest.mark.parametrize("length", [5.0, 8.0, 20.0])
+@pytest.mark.parametrize("make", [bottom.hopper_filling, bottom.hopper_discharge])
+def test_slices_of_a_rectangular_pyramid_hang_on_its_four_walls(length, make):
+    """EN 1991-4, 6.1.2, S = 1 + b/a: d(A p_v)/dx = the walls' lift - gamma A, integrated down from
+    the transition over two walls of width a x/h_h at tan beta = b/(2 h_h) and two of b x/h_h at
+    a/(2 h_h): pressure F p_v on their plan, friction mu F p_v along them. Tolerance: the
+    integration's 1e-10 a step, summed."""
+    vessel = Vessel("rectangular", 5.0, length, 15.0, 20 * DEG, 1.0, "pyramid")
+    own = make(vessel, 9e3, 60e3, Values(0.35, 0.5, 32 * DEG))
+    high = 2.5 / math.tan(20 * DEG)
+
+    def slope(x, carried):  # carried: A p_v [N]
+        area = 5.0 * length * (x / high) ** 2
+        pressure = own.factor * carried / area
+        walls = ((length * x / high, 2.5 / high), (5.0 * x / high, length / 2 / high))
+        lift = sum(2 * wide * pressure * (tan + own.effective_friction) for wide, tan in walls)
+        return lift - 9e3 * area
+
+    down = own.height[::-1]
+    found = solve_ivp(slope, down[[0, -1]], [5.0 * length * 60e3], t_eval=down, rtol=1e-10)
+    expected = found.y[0] / (5.0 * length * (down / high) ** 2)
+    np.testing.assert_allclose(own.vertical[::-1], expected, rtol=1e-6)
 
 
 @pytest.mark.parametrize("past", [-0.1, 0.1])
