@@ -85,8 +85,7 @@ def _pressures(
 ) -> Hopper:
     """The stresses of 6.1.2; top: p_vft [Pa]; the limit of n = 1 is x/h_h ln(h_h/x)."""
     high = vessel.hopper_height
-    lowest = vessel.outlet / vessel.characteristic_width
-    part = np.linspace(max(lowest, 1e-3), 1.0, points)
+    part = np.linspace(max(vessel.outlet / vessel.width, 1e-3), 1.0, points)
     if abs(n - 1.0) < 1e-9:
         own = -part * np.log(part)
     else:

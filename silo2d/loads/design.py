@@ -84,7 +84,7 @@ def design_of(
     with located(f"{where}: [solid]"):
         solid, assumed = resolve_solid(spec.solid, given or {})
         points = _flow_function(spec.solid.flow_function)
-    widest = vessel.characteristic_width / 2
+    widest = vessel.width / 2
     for name in ("filling_eccentricity", "outlet_eccentricity"):
         if (value := getattr(spec.rules, name)) > widest:
             raise InputError(

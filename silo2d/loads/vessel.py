@@ -20,7 +20,7 @@ class Vessel:
     """A silo of constant cross section over a hopper or a flat bottom; SI.
 
     plan          "circular", "rectangular" or "slot"
-    width         d_c: diameter, or the smaller side; of a slot the distance of its walls
+    width         diameter, or the smaller side; of a slot the distance of its walls
     length        larger side; of a slot the distance of its plates
     height        h_c, from the transition to the equivalent (levelled) surface
     half_angle    of the hopper, from the vertical [rad], of a pyramid that of the walls that are
@@ -92,7 +92,7 @@ class Vessel:
     def hopper_height(self) -> float:
         """h_h [m], from the apex of the hopper to the transition."""
         assert self.half_angle is not None
-        return self.characteristic_width / 2.0 / math.tan(self.half_angle)
+        return self.width / 2.0 / math.tan(self.half_angle)
 
     @property
     def friction_shape(self) -> float:
@@ -107,7 +107,7 @@ class Vessel:
         if self.is_flat:
             return self.area * self.height
         power = HOPPERS[self.hopper] + 1
-        cut = 1.0 - (self.outlet / self.characteristic_width) ** power  # the tip below the outlet
+        cut = 1.0 - (self.outlet / self.width) ** power  # the tip below the outlet
         return self.area * (self.height + self.hopper_height / power * cut)
 
     def highest_contact(self, repose: float, heap: bool) -> float:

@@ -361,6 +361,19 @@ def test_plates_of_a_slot_count_where_they_rub():
     assert rough.area / rough.perimeter == pytest.approx(0.3 * 0.12 / 0.84)
 
 
+@pytest.mark.parametrize("rough", [False, True])
+def test_hopper_between_plates_closer_than_its_outlet_reaches_from_it_to_the_walls(rough):
+    """A wedge of 30 deg under walls 0.3 m apart, plates 0.05 m, outlet 0.1 m: up to 0.15/tan 30 deg
+    over its apex from 0.05/tan 30 deg, area (0.3^2 - 0.1^2)/(4 tan 30 deg), whatever the plates."""
+    vessel = Vessel("slot", 0.3, 0.05, 0.4, 30 * DEG, 0.1, "wedge", rough_plates=rough)
+    own = bottom.hopper_filling(vessel, 9e3, 1e3, Values(0.3, 0.5, 32 * DEG))
+    tan = math.tan(30 * DEG)
+    assert own.height[[0, -1]] == pytest.approx([0.05 / tan, 0.15 / tan])
+    assert np.all(np.diff(own.height) > 0)
+    assert vessel.volume == pytest.approx(0.05 * (0.3 * 0.4 + 0.08 / (4 * tan)))
+    assert vessel.characteristic_width == (0.05 if rough else 0.3)
+
+
 # Flow
 
 
