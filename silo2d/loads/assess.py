@@ -131,7 +131,7 @@ class Loads:
         return jenike_numbers(
             self.vessel.half_angle, self.solid.effective_friction,
             math.atan(self.solid.hopper_friction), self.vessel.hopper == "wedge",
-            self.solid.unit_weight, self.design.flow_function, self.solid.internal_friction,
+            self.solid.unit_weight_lower, self.design.flow_function, self.solid.internal_friction,
             float(self.janssen(np.array(self.vessel.height))[1]),
         )  # fmt: skip
 
@@ -160,6 +160,9 @@ class Loads:
             )
         if not self.vessel.is_flat and self.vessel.friction_shape not in (1.0, 2.0):
             words.append("pyramid: F and mu_eff of its longer sides on its flatter ends, too")
+        one = self.solid.unit_weight_lower == self.solid.unit_weight
+        if self.design.flow_function and one:
+            words.append("Jenike's outlets: by unit_weight, as no lower one is given")
         tonnes = self.vessel.volume * self.solid.unit_weight / _GRAVITY / 1e3
         if self.rules.assessment_class == 1 and tonnes > _SMALL:
             words.append(
@@ -189,7 +192,10 @@ def jenike_numbers(
     half_angle: float | None, delta: float, wall: float, plane: bool, unit_weight: float,
     flow_function: tuple[tuple[float, float], ...], internal: float, largest: float,
 ) -> dict[str, Any]:  # fmt: skip
-    """Jenike's answers for a hopper, angles [rad]; largest: vertical pressure at its top [Pa]."""
+    """Jenike's answers for a hopper, angles [rad]; largest: vertical pressure at its top [Pa].
+
+    unit_weight: the lower characteristic one [N/m3], by which what stands is widest.
+    """
     limit = jenike.mass_flow_limit(delta, wall, plane)
     beta = math.pi / 2 if half_angle is None else half_angle
     flow = jenike.converging(delta, wall, beta, plane)

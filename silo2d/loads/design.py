@@ -102,6 +102,7 @@ def resolve_solid(own: SolidKeys, given: Mapping[str, float]) -> tuple[Solid, li
                 f"{name} is missing; give it, such as {_EXAMPLES[name]}, or name = 'wheat', a line "
                 "of EN 1991-4, table E.1"
             )
+    known.setdefault("unit_weight_lower", known["unit_weight"])
     _check(known)
     for name, make, words in _ASSUMED:
         if name not in known:
@@ -122,6 +123,8 @@ def _known(own: SolidKeys, given: Mapping[str, float]) -> dict[str, float]:
             known[name] = value
         elif row is not None and name not in given and (found := _of_row(row, name, own)):
             known[name] = found
+    if own.unit_weight_lower is None and row and known["unit_weight"] != row.unit_weight:
+        del known["unit_weight_lower"]  # it goes with the upper one of its line
     return known
 
 
@@ -156,6 +159,12 @@ def _check(known: Mapping[str, float]) -> None:
                 f"{name} = {math.degrees(known[name]):.4g} deg: solids have 5 to 75 deg; check "
                 "the unit"
             )
+    upper, lower = known.get("unit_weight", math.inf), known.get("unit_weight_lower", 0.0)
+    if lower > upper:
+        raise InputError(
+            f"unit_weight_lower = {lower / 1e3:.4g} kN/m3: more than the upper one; give at most "
+            f"unit_weight = {upper / 1e3:.4g} kN/m3"
+        )
     angle = known.get("internal_friction")
     if angle is not None:
         _check_upper(known, "internal_friction", math.degrees(angle), 90.0, " deg")

@@ -30,7 +30,8 @@ which is within some per cent of Jenike's radial field (Arnold and McLean 1976, 
 
 Outlet. An arch stands where the strength f_c(sigma_1) exceeds sigma_1/ff: B = H f_c/gamma at their
 crossing. A rathole stands up to D = G f_c/gamma, G = 4.3 tan phi_t (fit to Jenike's curve), with
-the strength after the largest vertical pressure. A solid without cohesion has f_c = 0 and neither.
+the strength after the largest vertical pressure; gamma is the lower characteristic unit weight, by
+which both are widest. A solid without cohesion has f_c = 0 and neither.
 """
 
 import math

@@ -29,9 +29,10 @@ WALL_TYPES = ("D1", "D2", "D3")  # slippery, smooth and rough walls (table 4.1)
 
 @dataclass(frozen=True)
 class Solid:
-    """Properties of a stored solid, mean values but for the unit weight, which is the upper one.
+    """Properties of a stored solid, mean values but for the unit weights.
 
-    unit_weight          gamma_u [N/m3]
+    unit_weight          upper characteristic unit weight gamma_u [N/m3]
+    unit_weight_lower    lower one gamma_l [N/m3], with which an arch or a rathole stands wider
     repose               angle of repose phi_r [rad]
     internal_friction    phi_im [rad], with its factor a_phi
     lateral_ratio        K_m [-], with a_K
@@ -42,6 +43,7 @@ class Solid:
 
     name: str
     unit_weight: float
+    unit_weight_lower: float
     repose: float
     internal_friction: float
     internal_friction_factor: float
@@ -94,6 +96,7 @@ class Row(NamedTuple):
     """A line of table E.1."""
 
     unit_weight: float  # upper [N/m3]
+    unit_weight_lower: float  # [N/m3]
     repose: float  # [rad]
     internal_friction: float  # [rad]
     internal_friction_factor: float
@@ -117,6 +120,7 @@ def table_e1() -> dict[str, Row]:
 def _row(line: dict[str, float]) -> Row:
     return Row(
         1e3 * line["gamma_u_kN_m3"],
+        1e3 * line["gamma_l_kN_m3"],
         math.radians(line["phi_r_deg"]),
         math.radians(line["phi_im_deg"]),
         line["a_phi"],
@@ -137,7 +141,7 @@ def find_row(name: str) -> Row:
 
 def as_numbers(solid: Solid) -> dict[str, float | str]:
     """A solid for JSON, units in the keys."""
-    units = {"unit_weight": "n_per_m3"} | dict.fromkeys(
+    units = dict.fromkeys(("unit_weight", "unit_weight_lower"), "n_per_m3") | dict.fromkeys(
         ("repose", "internal_friction", "effective_friction"), "rad"
     )
     named = {one.name: getattr(solid, one.name) for one in fields(solid)}

@@ -76,6 +76,10 @@ class SolidKeys(Section):
         None, "upper characteristic unit weight", example="9 kN/m3", left_out=_ROW,
         option="--unit-weight",
     )  # fmt: skip
+    unit_weight_lower: UnitWeight | None = key(
+        None, "lower characteristic unit weight, for Jenike's outlets", example="7.5 kN/m3",
+        left_out=f"{_ROW} where its upper one is, too, or unit_weight",
+    )  # fmt: skip
     repose: Angle | None = key(
         None, "angle of repose", example="34 deg", left_out=f"{_ROW}, or the internal friction",
         option="--repose",

@@ -456,16 +456,32 @@ def test_cohesionless_solid_neither_arches_nor_ratholes(wheat):
 
 @pytest.mark.parametrize(("strength", "verdict"), [(1.0, "wide enough"), (5.0, "too narrow")])
 def test_outlet_is_compared_with_the_widest_arch(tmp_path, strength, verdict):
-    """f_c constant, in kPa: a cone of 20 deg arches up to (2 + 20/65) f_c/gamma, 0.26 and 1.28 m;
-    the outlet is 0.6 m."""
+    """f_c constant, in kPa: a cone of 20 deg arches up to (2 + 20/65) f_c/gamma_l, 0.31 and 1.54 m,
+    by wheat's lower 7.5 kN/m3; the outlet is 0.6 m."""
     path = tmp_path / "cohesive.toml"
     path.write_text(f"{WHEAT}flow_function = [[0, {strength}], [100, {strength}]]\n")
     forms = closed_forms(load_design(path))
-    expected = (2 + 20 / 65) * 1e3 * strength / 9e3
+    expected = (2 + 20 / 65) * 1e3 * strength / 7.5e3
     assert forms["jenike"]["arch_up_to_m"] == pytest.approx(expected)
     words = " ".join(fact.words for fact in jenike_facts(forms))
     assert verdict in words
     assert "0.6 m" in words
+
+
+@pytest.mark.parametrize(
+    ("keys", "lower", "said"),
+    [('unit_weight = "8 kN/m3"', 8e3, True), ('unit_weight_lower = "6 kN/m3"', 6e3, False),
+     ('unit_weight = "9 kN/m3"', 7.5e3, False)],
+)  # fmt: skip
+def test_outlets_go_by_the_lower_unit_weight(tmp_path, keys, lower, said):
+    """D = 4.3 tan(phi) f_c/gamma_l, f_c 1 kPa: that of table E.1 goes with its upper one; where one
+    other than that is given alone it counts as both, and the report says so."""
+    path = tmp_path / "cohesive.toml"
+    path.write_text(f"{WHEAT}{keys}\nflow_function = [[0, 1], [100, 1]]\n")
+    forms = closed_forms(load_design(path))
+    expected = 4.3 * math.tan(30 * DEG) * 1e3 / lower
+    assert forms["jenike"]["rathole_up_to_m"] == pytest.approx(expected)
+    assert any("no lower one" in line for line in forms["assumptions"]) == said
 
 
 def test_large_silo_of_class_one_says_that_it_is_none(tmp_path):
@@ -492,6 +508,8 @@ REFUSALS = [
     ('outlet = "0.6 m"', 'outlet = "6 m"', ["outlet = 6 m", "narrower than the silo, 5 m"]),
     ('half_angle = "20 deg"', 'half_angle = "95 deg"', ["half_angle", "less than"]),
     ('name = "wheat"', 'name = "wheat"\nrepose = "2 deg"', ["repose = 2 deg", "5 to 75 deg"]),
+    ('name = "wheat"', 'name = "wheat"\nunit_weight_lower = "10 kN/m3"',
+     ["unit_weight_lower = 10 kN/m3", "at most unit_weight = 9 kN/m3"]),
     ('name = "wheat"', 'name = "wheat"\nlateral_ratio = 0.95\nlateral_ratio_factor = 1.2',
      ["lateral_ratio = 0.95", "lateral_ratio_factor = 1.2", "1.14", "less than 0.8333"]),
     ('name = "wheat"',
