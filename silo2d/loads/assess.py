@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from silo2d.loads import bottom, jenike
-from silo2d.loads.design import Design
+from silo2d.loads.design import Design, FlowFunction
 from silo2d.loads.janssen import Floats, janssen_stress
 from silo2d.loads.solid import LOAD_CASES, Values, as_numbers, at_hopper, characteristic
 from silo2d.loads.walls import (
@@ -190,7 +190,7 @@ def _of_hopper(own: bottom.Hopper) -> dict[str, Any]:
 
 def jenike_numbers(
     half_angle: float | None, delta: float, wall: float, plane: bool, unit_weight: float,
-    flow_function: tuple[tuple[float, float], ...], internal: float, largest: float,
+    flow_function: FlowFunction, internal: float, largest: float,
 ) -> dict[str, Any]:  # fmt: skip
     """Jenike's answers for a hopper, angles [rad]; largest: vertical pressure at its top [Pa].
 
@@ -211,14 +211,36 @@ def jenike_numbers(
         "cohesionless": not any(strength for _, strength in flow_function),
     }
     strong = jenike.strength(flow_function, largest)
-    found["rathole_up_to_m"] = jenike.rathole(internal, strong, unit_weight)
-    arch: float | None = None
-    if flow is not None:
-        fails = jenike.arching_stress(flow_function, flow.flow_factor, max(100 * largest, 1e7))
-        arch = None if fails is None else flow.arch * fails / unit_weight
-    elif found["cohesionless"]:
-        arch = 0.0
-    return found | {"arch_up_to_m": arch}
+    why = None
+    if flow is None or found["flow"] == "funnel flow":
+        why = "flat bottom" if half_angle is None else found["flow"]
+    return found | _arch(flow, why, flow_function, unit_weight, largest) | {
+        "rathole_up_to_m": jenike.rathole(internal, strong, unit_weight),
+        "rathole_stress_pa": largest,
+        "strength_known_up_to_pa": flow_function[-1][0] if flow_function else None,
+    }  # fmt: skip
+
+
+def _arch(
+    flow: jenike.Converging | None, why: str | None, flow_function: FlowFunction,
+    unit_weight: float, largest: float,
+) -> dict[str, Any]:  # fmt: skip
+    """The widest arch and the stress that makes its strength [Pa]; why: it is not computed."""
+    found: dict[str, Any] = {
+        "arch_up_to_m": None,
+        "arch_stress_pa": None,
+        "arch_at_any_width": False,
+        "arch_not_computed": None,
+    }
+    if not any(strength for _, strength in flow_function):
+        return found | {"arch_up_to_m": 0.0}
+    if flow is None or why is not None:
+        return found | {"arch_not_computed": why}
+    fails = jenike.arching_stress(flow_function, flow.flow_factor, max(100 * largest, 1e7))
+    if fails is None:
+        return found | {"arch_at_any_width": True}
+    arch, stress = flow.arch * fails / unit_weight, flow.flow_factor * fails
+    return found | {"arch_up_to_m": arch, "arch_stress_pa": stress}
 
 
 def closed_forms(design: Design) -> dict[str, Any]:
@@ -235,6 +257,7 @@ def closed_forms(design: Design) -> dict[str, Any]:
             "height_m": vessel.height,
             "half_angle_deg": None if vessel.is_flat else math.degrees(vessel.half_angle or 0.0),
             "outlet_m": vessel.outlet,
+            "outlet_across_m": vessel.outlet_across,
             "area_m2": vessel.area,
             "perimeter_m": vessel.perimeter,
             "characteristic_width_m": vessel.characteristic_width,

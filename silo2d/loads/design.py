@@ -14,6 +14,8 @@ from silo2d.loads.solid import Row, Solid, find_row, lateral_ratio_of
 from silo2d.loads.spec import BESIDE, FILE, Beside, Geometry, Rules, SolidKeys, Spec
 from silo2d.loads.vessel import Vessel
 
+FlowFunction = tuple[tuple[float, float], ...]  # points (stress, strength) [Pa]
+
 
 @dataclass(frozen=True)
 class Design:
@@ -27,7 +29,7 @@ class Design:
     vessel: Vessel
     solid: Solid
     rules: Rules
-    flow_function: tuple[tuple[float, float], ...]
+    flow_function: FlowFunction
     assumptions: tuple[str, ...]
 
 
@@ -186,7 +188,7 @@ def _check_upper(
         )
 
 
-def _flow_function(points: list[list[float]]) -> tuple[tuple[float, float], ...]:
+def _flow_function(points: list[list[float]]) -> FlowFunction:
     """Points in Pa; InputError where they are no pairs, not ascending, or negative."""
     for point in points:
         if len(point) != 2 or not all(math.isfinite(x) and x >= 0 for x in point):

@@ -102,6 +102,11 @@ class Vessel:
         return float(HOPPERS[self.hopper])
 
     @property
+    def outlet_across(self) -> float:
+        """Largest width of the outlet [m], which a rathole must not bridge: a slot's diagonal."""
+        return math.hypot(self.outlet, self.length) if self.hopper == "wedge" else self.outlet
+
+    @property
     def volume(self) -> float:
         """Of what is stored [m3], down to the outlet."""
         if self.is_flat:

@@ -484,6 +484,59 @@ def test_outlets_go_by_the_lower_unit_weight(tmp_path, keys, lower, said):
     assert any("no lower one" in line for line in forms["assumptions"]) == said
 
 
+def jenike_words(tmp_path, half_angle, points, outlet="0.6 m"):
+    """Jenike's facts on wheat that coheres, by name; half angle in degrees, None: a flat bottom."""
+    own = "" if half_angle is None else f'half_angle = "{half_angle} deg"'
+    silo = WHEAT.replace('half_angle = "20 deg"', own).replace("0.6 m", outlet)
+    path = tmp_path / "cohesive.toml"
+    path.write_text(f"{silo}flow_function = {points}\n")
+    return {fact.name: fact.words for fact in jenike_facts(closed_forms(load_design(path)))}
+
+
+def test_mass_flow_is_judged_by_the_arch_alone(tmp_path):
+    """20 deg: arches up to 0.31 m; ratholes do not stand where all of the solid moves."""
+    found = jenike_words(tmp_path, 20, [[0, 1], [100, 1]])
+    assert "arches up to 0.308 m: 0.6 m is wide enough" in found["outlet"]
+    assert "rathole" not in found
+
+
+@pytest.mark.parametrize(("half_angle", "reason"), [(None, "flat bottom"), (40, "funnel flow")])
+@pytest.mark.parametrize(("outlet", "verdict"), [("0.3 m", "too narrow"), ("0.4 m", "wide enough")])
+def test_funnel_flow_is_judged_by_the_rathole(tmp_path, half_angle, reason, outlet, verdict):
+    """D = 4.3 tan(30 deg) x 1 kPa/7.5 kN/m3 = 0.331 m; arches are those of converging walls, along
+    which nothing flows: they are not computed, and not said to stand at any width."""
+    found = jenike_words(tmp_path, half_angle, [[0, 1], [100, 1]], outlet)
+    assert f"arches not computed: {reason}" in found["outlet"]
+    assert "any width" not in found["outlet"]
+    assert "up to 0.331 m" in found["rathole"]
+    assert verdict in found["rathole"]
+
+
+def test_solid_stronger_than_any_arch_is_said_to_arch_at_any_width(tmp_path):
+    """f_c = 0.9 sigma exceeds sigma/ff, ff = 1.80: no outlet is wide enough, as far as a strength
+    beyond the last point may be told."""
+    found = jenike_words(tmp_path, 20, [[0, 0.01], [100, 90]])
+    assert "arches at any width: 0.6 m is too narrow" in found["outlet"]
+    assert "extrapolated beyond its last point, 100 kPa" in found["outlet"]
+
+
+@pytest.mark.parametrize(("last", "said"), [(1.0, True), (2.0, False)])
+def test_strength_beyond_the_last_point_is_said_to_be_extrapolated(tmp_path, last, said):
+    """f_c 1 kPa meets sigma/1.80 at 1.80 kPa, and a rathole stands after 50.2 kPa."""
+    points = [[0, 1], [last, 1]]
+    arch = jenike_words(tmp_path, 20, points)["outlet"]
+    assert ("strength at 1.80 kPa extrapolated" in arch) == said
+    assert "extrapolated" in jenike_words(tmp_path, 40, points)["rathole"]
+    assert "extrapolated" not in jenike_words(tmp_path, 40, [[0, 1], [60, 1]])["rathole"]
+
+
+def test_rathole_is_compared_with_the_diagonal_of_a_slot():
+    """A slot of 0.3 m x 4 m is 4.01 m across, a round outlet as wide as it is."""
+    slot = Vessel("rectangular", 3.0, 4.0, 9.0, 0.5, 0.3, "wedge")
+    assert slot.outlet_across == pytest.approx(math.hypot(0.3, 4.0))
+    assert Vessel("circular", 3.0, 3.0, 9.0, 0.5, 0.3).outlet_across == 0.3
+
+
 def test_large_silo_of_class_one_says_that_it_is_none(tmp_path):
     """Class 1 is for up to 100 t; wheat in 5 m x 15 m weighs 311 t."""
     path = tmp_path / "wheat.toml"

@@ -1,5 +1,6 @@
 """Loads in facts and tables, which the report prints and the sheet sets."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -165,15 +166,36 @@ def jenike_facts(forms: Mapping[str, Any]) -> list[Part]:
     words = "" if factor is None else f"flow factor {factor:.2f}; "
     if own["cohesionless"]:
         return [*found, Fact("outlet", words + _COHESIONLESS)]
+    found.append(Fact("outlet", words + _arch_in_words(own, forms["silo"]["outlet_m"])))
+    if own["flow"] != "mass flow":
+        up_to, across = own["rathole_up_to_m"], forms["silo"]["outlet_across_m"]
+        enough = "wide enough" if across > up_to else "too narrow"
+        found.append(Fact("rathole", f"up to {up_to:.3g} m across: the outlet, {across:.3g} m "
+                                     f"across, is {enough}"
+                                     + _extrapolated(own, own["rathole_stress_pa"])))  # fmt: skip
+    return found
+
+
+def _arch_in_words(own: Mapping[str, Any], outlet: float) -> str:
+    """The widest arch, compared with the outlet [m]."""
+    if own["arch_not_computed"]:
+        return f"arches not computed: {own['arch_not_computed']}"
+    if own["arch_at_any_width"]:
+        return f"arches at any width: {outlet:.3g} m is too narrow" + _extrapolated(own, math.inf)
     arch = own["arch_up_to_m"]
-    arches = "at any width" if arch is None else f"up to {arch:.3g} m"
-    outlet = forms["silo"]["outlet_m"]
-    enough = "wide enough against arches" if arch is not None and outlet > arch else "too narrow"
-    rathole = f"ratholes up to {own['rathole_up_to_m']:.3g} m across"
-    return [
-        *found,
-        Fact("outlet", f"{words}arches {arches}: {outlet:.3g} m is {enough}; {rathole}"),
-    ]
+    enough = "wide enough" if outlet > arch else "too narrow"
+    return f"arches up to {arch:.3g} m: {outlet:.3g} m is {enough}" + _extrapolated(
+        own, own["arch_stress_pa"]
+    )
+
+
+def _extrapolated(own: Mapping[str, Any], stress: float) -> str:
+    """Words where a strength is taken beyond the last point of the flow function."""
+    last = own["strength_known_up_to_pa"]
+    if stress <= last:
+        return ""
+    at = "" if math.isinf(stress) else f" at {pressure(stress)} kPa"
+    return f"; strength{at} extrapolated beyond its last point, {pressure(last)} kPa"
 
 
 def closed_parts(forms: Mapping[str, Any]) -> list[Part]:
