@@ -32,7 +32,7 @@ from silo2d.measures.basics.contacts import FEWEST_OUT, read_moments, within
 from silo2d.measures.basics.friction import Angle, effective_friction, shear_rate
 from silo2d.measures.basics.particles import prism_length
 from silo2d.measures.basics.stages import stage_samples, windows
-from silo2d.measures.basics.walls import Samples, Tractions, on_walls
+from silo2d.measures.basics.walls import Samples, Tractions, on_walls, sides
 from silo2d.measures.fields import dead_zones, field_of, flow_frames
 from silo2d.measures.stress import contact_stress, kinetic_stress
 from silo2d.view.scene import Scene, read_scene
@@ -43,7 +43,10 @@ if TYPE_CHECKING:
 
 AVERAGED = 0.01  # [s] over which fluctuations are averaged, besides those of single samples
 _TWO_WIDTHS = 0.977  # part of a Gaussian on one side of a line two widths away
+_SIDES = {-1: "left", 1: "right"}
 COLOURS = {"filling": GREY, "at_rest": BLUE, "opening": VERMILION, "flow": ORANGE, "end": PURPLE}
+
+_OF_PARTS = BLUE, GREEN, ORANGE, PURPLE, VERMILION, GREY
 
 
 def measure(
@@ -59,10 +62,10 @@ def measure(
     effective_friction_deg, ..._low_deg, ..._high_deg   of the flow; None without one
     prism_length_m, averaged_s
     stages                      from_s, until_s, samples; balance: forces [N] upwards and their
-                                shares of the weight; walls: name, part, stretch_m, area_m2,
-                                height_m and by height normal_pa, shear_pa (down the wall),
-                                rms_pa, peak_pa of single samples, averaged_rms_pa,
-                                averaged_peak_pa of means over averaged_s
+                                shares of the weight; walls: name, part, side (None of inserts),
+                                stretch_m, rise_m, area_m2, height_m and by height normal_pa,
+                                shear_pa (down the wall), rms_pa, peak_pa of single samples,
+                                averaged_rms_pa, averaged_peak_pa of means over averaged_s
     """
     scene, length = read_scene(folder), prism_length(folder)
     spans, settling = windows(scene, between), stored_tables(folder).get("settling")
@@ -93,16 +96,18 @@ def _stage(
     scene: Scene, samples: Samples, balance: Balance | None, length: float,
     stretch: float | None, span: tuple[float, float] | None,
 ) -> dict[str, Any]:  # fmt: skip
-    parts = part_of_wall(scene)
     walls = on_walls(scene, samples, stretch)
+    parts, side = part_of_wall(scene), [_SIDES.get(int(k)) for k in sides(scene)]
+    rise = np.abs(np.diff(scene.walls[:, :, 1])[:, 0])
     return {
         "from_s": span[0] if span else None,
         "until_s": span[1] if span else None,
         "samples": len(samples.time),
         "balance": None if balance is None else balance.numbers(),
         "walls": [
-            _wall(wall, part, samples.time, length)
-            for wall, part in zip(walls, parts, strict=False)  # the door has no stretches
+            _wall(wall, parts[k], samples.time, length)
+            | {"side": side[k], "rise_m": float(rise[k]) / len(wall.height)}
+            for k, wall in enumerate(walls)
         ],
     }
 
@@ -196,22 +201,34 @@ def draw(folder: Path, between: tuple[float, float] | None = None) -> "Figure":
 
 
 def profile(stage: dict[str, Any], key: str) -> tuple[Floats, Floats, Floats | None]:
-    """Height, mean over the two sides, and rms of means over AVERAGED, of walls not level."""
-    walls = [wall for wall in stage["walls"] if wall["part"] != "floor"]
-    parts = []
+    """Height, mean over the two sides, and rms of means over AVERAGED, of walls not level.
+
+    Heights are the middles of the stretches of either side that both sides have a wall at; inserts
+    are of no side.
+    """
+    walls = [wall for wall in stage["walls"] if wall["side"] and wall["part"] != "floor"]
+    heights = np.unique(np.round([height for wall in walls for height in wall["height_m"]], 6))
+    own = [[wall for wall in walls if wall["side"] == side] for side in _SIDES.values()]
+    value = np.mean([_at(heights, several, key) for several in own], axis=0)
+    rms = np.mean([_at(heights, several, "averaged_rms_pa") for several in own], axis=0)
+    both = np.isfinite(value)
+    return heights[both], value[both], None if np.isnan(rms[both]).any() else rms[both]
+
+
+def _at(heights: Floats, walls: list[dict[str, Any]], key: str) -> Floats:
+    """Values of the stretches of walls that heights (h,) [m] lie in; NaN where none is."""
+    found = np.full(len(heights), np.nan)
     for wall in walls:
-        rms = wall["averaged_rms_pa"] or [np.nan] * len(wall[key])
-        parts.append(np.column_stack([np.round(wall["height_m"], 6), wall[key], rms]))
-    rows = np.concatenate(parts)
-    heights = np.unique(rows[:, 0])
-    means = np.array([rows[rows[:, 0] == height].mean(axis=0) for height in heights])
-    return heights, means[:, 1], None if np.isnan(means[:, 2]).any() else means[:, 2]
+        values = wall[key] or [np.nan] * len(wall["height_m"])
+        for middle, value in zip(wall["height_m"], values, strict=True):
+            found[np.abs(heights - middle) <= wall["rise_m"] / 2 + 1e-6] = value
+    return found
 
 
 def draw_balance(axes: "Axes", stages: dict[str, Any]) -> None:
     """Shares of the weight that walls and base bear in each stage."""
     known = {name: one["balance"] for name, one in stages.items() if one["balance"]}
-    colours = dict(zip((*PARTS, "inertia"), (BLUE, GREEN, ORANGE, VERMILION, GREY), strict=True))
+    colours = dict(zip((*PARTS, "inertia"), _OF_PARTS, strict=True))
     words = {"walls": "friction at the walls", "inertia": "accelerates"}
     position = np.arange(len(known))
     left = np.zeros(len(known))

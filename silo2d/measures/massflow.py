@@ -7,8 +7,8 @@ Appl. Mech. 31 (1964) 499), made for the radial velocities in a converging hoppe
 v_wall is the mean velocity along the nearest wall, downwards, of particles whose centroids lie
 within one particle size of it, and v_centre the mean downward velocity of those within one particle
 size of the vertical through the middle of the outlet: in bands of height, over all frames of a time
-window, the steady part of the discharge (see curve.py) unless given. Level floors are no walls
-here.
+window, the steady part of the discharge (see curve.py) unless given. Level floors and inserts are
+no walls here.
 
 The error is the standard error over five equal parts of the window.
 """
@@ -28,6 +28,7 @@ from silo2d.measures.basics.particles import (
     numbers,
     outlet_centre,
 )
+from silo2d.measures.basics.walls import sides
 from silo2d.measures.curve import steady_part
 from silo2d.view.scene import Scene, read_scene
 
@@ -116,7 +117,8 @@ def nearest_wall(scene: Scene, x: NDArray, y: NDArray) -> tuple[Series, Series]:
 
     The direction is a unit vector downwards along the wall.
     """
-    ends = scene.walls[scene.walls[:, 0, 1] != scene.walls[:, 1, 1]]
+    own = sides(scene)[: len(scene.walls)] != 0  # not those of inserts
+    ends = scene.walls[own & (scene.walls[:, 0, 1] != scene.walls[:, 1, 1])]
     ends = np.where((ends[:, 0, 1] > ends[:, 1, 1])[:, None, None], ends, ends[:, ::-1])
     span = ends[:, 1] - ends[:, 0]
     length = np.hypot(*span.T)

@@ -15,6 +15,7 @@ from small_silo import DischargeStop, silo2d, the_run, write_case
 
 from granulab.campaign.runs.trajectory import read_tables, read_trajectory
 from granulab.errors import Stopped
+from silo2d.case.beds.openings import with_inserts, with_outlets
 from silo2d.case.case import SiloCase
 from silo2d.case.outline import hopper
 from silo2d.measures import MEASURES, fields, loads
@@ -28,6 +29,7 @@ from silo2d.measures.basics.walls import Samples, on_walls
 from silo2d.run import protocol
 from silo2d.view.loads import pooling, study
 from silo2d.view.loads.sheet import in_words
+from silo2d.view.loads.tables import balance_table
 from silo2d.view.scene import read_scene
 
 SAMPLED = {"output.wall_interval": "1 ms", "output.contact_interval": "10 ms"}
@@ -188,6 +190,52 @@ def test_pressure_is_force_over_stretch_times_prism_length():
     numbers = loads._wall(found, "walls", samples.time, LENGTH)
     assert numbers["area_m2"] == pytest.approx(0.05 * 0.12)
     assert numbers["normal_pa"] == pytest.approx([1000.0, 0.0])
+
+
+def stage_with(silo, forces):
+    """A stage of one moment in which a force [N] acts at the middle of each named wall."""
+    scene = scene_of([scenes.block(10e-3, 10e-3)], [0], silo, np.zeros(1), np.full(1, 0.05))
+    wall = np.array([scene.wall_names.index(name) for name in forces])
+    point, force = scene.walls[wall].mean(axis=1), np.array(list(forces.values()))
+    samples = Samples(np.zeros(1), np.zeros(len(wall), int), wall, point, force)
+    return scene, loads._stage(scene, samples, None, LENGTH, 0.2, None), samples
+
+
+def test_insert_is_no_side_of_the_silo():
+    """6 N on each wall of 0.1 m, and 30 N on the upright side of a bar at the same height: the mean
+    over the two sides is 6/(0.1 x 0.12) Pa; the bar's weight of 2 N on its top is an insert's."""
+    silo = with_inserts(
+        hopper(0.0, 0.04, 0.1, 0.1, "box"), [[[-5, 30], [5, 30], [5, 70], [-5, 70]]], 1e-3, "silo"
+    )
+    upright = next(
+        name for name, (start, end) in zip(silo.walls().names, silo.walls().segments, strict=True)
+        if name.startswith("insert") and np.isclose(start[0], end[0])
+    )  # fmt: skip
+    forces = {"left wall": (-6.0, 0.0), "right wall": (6.0, 0.0), upright: (30.0, -2.0)}
+    scene, stage, samples = stage_with(silo, forces)
+    height, value, _ = loads.profile(stage, "normal_pa")
+    np.testing.assert_allclose(height, [0.05])
+    np.testing.assert_allclose(value, [6 / (0.1 * LENGTH)])
+    borne = balance.balance_of_samples(scene, samples, 0)
+    assert (borne.inserts, borne.walls) == pytest.approx((2.0, 0.0))
+    table = balance_table({"stages": {"at_rest": {"balance": borne.numbers()}}})
+    assert "inserts" in table.head
+    bare = borne._replace(inserts=0.0).numbers()
+    assert "inserts" not in balance_table({"stages": {"at_rest": {"balance": bare}}}).head
+
+
+def test_sides_are_averaged_where_both_have_a_wall():
+    """An outlet from 30 to 60 mm in the right wall of a box of 0.1 m parts it in two; 6 N on the
+    left wall and 1 N on the upper right piece of 40 mm: their mean at the heights of the pieces'
+    middles, and none at 50 mm, the left one's, where the right side has no wall."""
+    silo = with_outlets(hopper(0.0, 0.04, 0.1, 0.1, "box"), [[[50, 30], [50, 60]]], 1e-3, "silo")
+    names = [name for name in silo.walls().names if name.startswith("right wall")]
+    upper = max(names, key=lambda name: silo.walls().segments[silo.walls().names.index(name)].max())
+    _, stage, _ = stage_with(silo, {"left wall": (-6.0, 0.0), upper: (1.0, 0.0)})
+    height, value, _ = loads.profile(stage, "normal_pa")
+    left, right = 6 / (0.1 * LENGTH), 1 / (0.04 * LENGTH)
+    np.testing.assert_allclose(height, [0.015, 0.08])
+    np.testing.assert_allclose(value, [left / 2, (left + right) / 2])
 
 
 def test_fluctuation_is_about_the_trend_and_falls_with_the_time_it_is_averaged_over():
@@ -434,13 +482,15 @@ def test_wrong_use_of_loads_is_refused_before_anything_is_run(
 
 
 def test_case_without_vertical_walls_or_contacts_is_refused_before_it_is_run(tmp_path):
-    """A funnel all the way up has none; impulses keep no contacts."""
+    """A funnel all the way up has none, whatever is in it; impulses keep no contacts."""
     outline = {
         "silo.angle": None, "silo.outlet": None, "silo.width": None, "silo.height": None,
         "silo.outline": [[-25, 0], [25, 0], [60, 80], [-60, 80]],
     }  # fmt: skip
+    bar = [[-5, 40], [5, 40], [5, 60], [-5, 60]]
     for changes, words in (
         (outline, "vertical wall on each side"),
+        (outline | {"silo.inserts": [bar]}, "vertical wall on each side"),
         ({"run.engine": "pymunk"}, "dem"),
     ):
         case = write_case(tmp_path, changes)

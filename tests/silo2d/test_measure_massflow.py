@@ -10,6 +10,7 @@ from moved_run import falling, write_moved_run
 
 from granulab.campaign.output.figure import write_figure
 from granulab.errors import InputError
+from silo2d.case.beds.openings import with_inserts
 from silo2d.case.outline import hopper
 from silo2d.measures import find, massflow
 from silo2d.view.scene import read_scene
@@ -121,6 +122,20 @@ def test_nearest_wall_is_shapely_s(steep, x, y):
         if length < min(lengths) + 1e-12
     ]
     assert min(map(abs, nearest)) < 1e-12  # parallel to one of the nearest: ties at a corner
+
+
+def test_particles_along_an_insert_are_not_at_a_wall(tmp_path):
+    """A bar of 10 mm in the middle of the steep hopper: 20 mm from it the nearest wall is the
+    silo's, as without it."""
+    bar = [[-5, 300], [5, 300], [5, 400], [-5, 400]]
+    point, found = (np.array([0.025]), np.array([0.35])), []
+    for name, silo in (("bare", STEEP), ("bar", with_inserts(STEEP, [bar], 1e-3, "silo"))):
+        folder = tmp_path / name
+        write_moved_run(
+            folder, lambda s, t: falling(s, t, 0.0), silo=silo, n_frames=2, spacing=0.03
+        )
+        found.append(massflow.nearest_wall(read_scene(folder), *point)[0][0])
+    assert found[1] == found[0] > 0.1
 
 
 def test_massflow_of_a_run_is_json_and_a_picture(reference, tmp_path):

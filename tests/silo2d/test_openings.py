@@ -169,4 +169,6 @@ def test_measures_know_doors_and_inserts_from_walls():
     parts = part_of_wall(scene)
     assert parts[-2:] == ["door", "door"]
     assert "door" not in parts[:-2]
+    assert parts[-6:-2] == ["inserts"] * 4
+    assert "inserts" not in parts[:-6]
     assert [walls.names[k] for k in vertical_walls(scene)] == ["left wall a", "right wall"]

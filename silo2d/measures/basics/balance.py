@@ -21,7 +21,7 @@ from silo2d.measures.basics.contacts import GRAVITY
 from silo2d.measures.basics.walls import Samples
 from silo2d.view.scene import Scene
 
-PARTS = "walls", "hopper", "floor", "door"
+PARTS = "walls", "hopper", "floor", "inserts", "door"
 _VERTICAL = 1e-6  # run over length of a wall that counts as vertical, at most; likewise level
 
 
@@ -32,13 +32,14 @@ class Balance(NamedTuple):
     walls: float  # friction at the vertical walls
     hopper: float  # inclined walls
     floor: float  # level walls
+    inserts: float  # whichever way their sides are inclined
     door: float
     inertia: float  # mass times acceleration, downwards
 
     @property
     def closure(self) -> float | None:
         """Part of the weight that the balance lacks (negative) or has too much."""
-        borne = self.walls + self.hopper + self.floor + self.door + self.inertia
+        borne = sum(getattr(self, part) for part in PARTS) + self.inertia
         return borne / self.weight - 1.0 if self.weight else None
 
     def numbers(self) -> dict[str, float | None]:
@@ -58,14 +59,15 @@ def part_of_wall(scene: Scene) -> list[str]:
     length = np.hypot(run, rise)
     parts = np.where(run <= _VERTICAL * length, "walls", "hopper")
     parts = np.where(rise <= _VERTICAL * length, "floor", parts)
+    parts = np.where([name.startswith("insert") for name in scene.wall_names], "inserts", parts)
     return parts[: len(scene.walls)].tolist() + ["door"] * scene.n_doors
 
 
 def _balance(scene: Scene, weight: float, upwards: NDArray, inertia: float) -> Balance:
     """Balance of a weight and the forces of the walls (w,), upwards [N]."""
     parts = np.array(part_of_wall(scene))
-    walls, hopper, floor, door = (float(upwards[parts == part].sum()) for part in PARTS)
-    return Balance(weight, walls, hopper, floor, door, inertia)
+    borne = {part: float(upwards[parts == part].sum()) for part in PARTS}
+    return Balance(weight=weight, inertia=inertia, **borne)
 
 
 def weight_at(scene: Scene, frame: int) -> float:

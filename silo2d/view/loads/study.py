@@ -48,8 +48,10 @@ def refuse_case(case: SiloCase) -> None:
     """Raise InputError for a case whose runs would have no loads to compare, before it is run."""
     if case.impulses:
         raise InputError(f"{case.name}: [run] engine = 'pymunk': loads need the contacts of dem")
-    start, end = case.outline.walls().segments.transpose(1, 0, 2)
+    walls = case.outline.walls()
+    start, end = walls.segments.transpose(1, 0, 2)
     upright = np.abs(end - start)[:, 0] <= 1e-6 * np.abs(end - start)[:, 1]
+    upright &= [not name.startswith("insert") for name in walls.names]
     sides = np.sign(start[upright, 0] - case.outline.outlet_centre)
     if not {-1.0, 1.0} <= set(sides):
         raise InputError(f"{case.name}: needs a vertical wall on each side, whose loads are sought")

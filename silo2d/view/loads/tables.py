@@ -260,17 +260,18 @@ def fluctuation_facts(dem: Mapping[str, Any]) -> list[Part]:
 
 def balance_table(dem: Mapping[str, Any]) -> Table:
     """Shares of the weight that walls and base bear."""
-    parts = (*PARTS, "inertia")
+    known = {name: stage["balance"] for name, stage in dem["stages"].items() if stage["balance"]}
+    parts = [part for part in (*PARTS, "inertia")
+             if part != "inserts" or any(own["inserts_n"] for own in known.values())]  # fmt: skip
     rows = []
-    for name, stage in dem["stages"].items():
-        own = stage["balance"]
-        if own:
-            shares = (f"{_no_sign(100 * own[f'{part}_share'], 1):.1f}" for part in parts)
-            rows.append((name.replace("_", " "), f"{own['weight_n']:.3g}", *shares,
-                         f"{_no_sign(100 * own['closure'], 2):.2f}"))  # fmt: skip
+    for name, own in known.items():
+        shares = (f"{_no_sign(100 * own[f'{part}_share'], 1):.1f}" for part in parts)
+        rows.append((name.replace("_", " "), f"{own['weight_n']:.3g}", *shares,
+                     f"{_no_sign(100 * own['closure'], 2):.2f}"))  # fmt: skip
+    names = {"walls": "friction", "inertia": "accelerates"}
     return Table(
         "base and walls against the weight [% of it]",
-        ("stage", "weight [N]", "friction", "hopper", "floor", "door", "accelerates", "error"),
+        ("stage", "weight [N]", *(names.get(part, part) for part in parts), "error"),
         rows,
     )
 
