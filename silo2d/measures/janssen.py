@@ -123,7 +123,7 @@ def column(moments: list[Moment]) -> Column:
     vertical, weight, pressure, shear = each.mean(axis=0)
     middles = slabs.mean(axis=1)
     ends = (moments[0], moments[-1])
-    start, end = (float(low + _weight_over(m, low) / (density * width)) for m in ends)
+    start, end = (float(low + _over(_weight_over(m, low), density * width)) for m in ends)
     return Column(
         middles, vertical, weight, pressure, shear, float(density), width, each[:, 1], (start, end)
     )

@@ -9,8 +9,8 @@ import analytic
 import numpy as np
 import pytest
 import scenes
-from hand_built import scene_of, simulation_in
-from refusals import assert_refused, refusal
+from hand_built import moment_of, scene_of, simulation_in
+from refusals import assert_refused, assert_refuses, refusal
 from small_silo import DischargeStop, silo2d, the_run, write_case
 
 from granulab.campaign.runs.trajectory import read_tables, read_trajectory
@@ -18,7 +18,7 @@ from granulab.errors import Stopped
 from silo2d.case.beds.openings import with_inserts, with_outlets
 from silo2d.case.case import SiloCase
 from silo2d.case.outline import hopper
-from silo2d.measures import MEASURES, fields, loads
+from silo2d.measures import MEASURES, fields, janssen, loads
 from silo2d.measures.basics import balance
 from silo2d.measures.basics.coarse_graining import grid_round
 from silo2d.measures.basics.contacts import GRAVITY
@@ -479,6 +479,28 @@ def test_wrong_use_of_loads_is_refused_before_anything_is_run(
     monkeypatch.chdir(tmp_path)
     assert_refused(silo2d("loads", *arguments), *words)
     assert not list(tmp_path.iterdir())
+
+
+NO_VESSEL = [  # corners of the silo [mm], height of the fill [m], and what is said
+    ([[-25, 0], [25, 0], [60, 80], [60, 200], [-60, 200], [-60, 80]], 0.08,
+     ["[fill] level = 0.08 m", "vertical walls, 0.08 m", "--fill-level '0.16 m'", "observe RUN"]),
+    ([[-25, 0], [25, 0], [60, 40], [60, 200], [-60, 200], [-60, 80]], 0.15,
+     ["23.6 deg and 41.2 deg", "symmetric", "silo2d observe RUN loads"]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("corners", "fill", "words"), NO_VESSEL)
+def test_runs_that_closed_forms_do_not_hold_for_are_refused_with_what_works(
+    tmp_path, corners, fill, words
+):
+    keys = dict.fromkeys(f"silo.{key}" for key in ("angle", "outlet", "width", "height"))
+    silo = SiloCase.load(write_case(tmp_path, keys | {"silo.outline": corners})).outline
+    heights = np.array([0.6 * fill, fill - 5e-3])
+    scene = scene_of([scenes.block(10e-3, 10e-3)], [0, 0], silo, np.zeros(2), heights)
+    scene.trajectory.attributes["level"] = fill
+    none = dict.fromkeys(("bodies", "point", "force", "normal"), np.zeros((0, 2)))
+    own = janssen.column([moment_of(scene, none)])
+    assert_refuses(words, study.vessel_of, scene, own, LENGTH, False)
 
 
 def test_case_without_vertical_walls_or_contacts_is_refused_before_it_is_run(tmp_path):

@@ -148,9 +148,14 @@ def _known(case: SiloCase, own: Column, length: float, dem: Mapping[str, Any]) -
 def vessel_of(scene: Scene, own: Column, length: float, rough_plates: bool) -> Vessel:
     """The vessel that a run's silo is: a slot, filled to its level surface."""
     (left, _), (right, _) = scene.trajectory.attributes["lips"]
-    height = own.fill[0] - _foot(scene)
+    foot, level = _foot(scene), scene.trajectory.attributes["level"]
+    height = own.fill[0] - foot
     if not height > 0:
-        raise InputError("filled no higher than its hopper: there are no loads on vertical walls")
+        raise InputError(
+            f"[fill] level = {level:.4g} m: lies no higher than the foot of its vertical walls, "
+            f"{foot:.4g} m, which bear nothing; fill it higher, such as --fill-level "
+            f"'{2 * foot:.2g} m', or take silo2d observe RUN loads, which needs no such walls"
+        )
     return Vessel(
         "slot", own.width, length, height, _half_angle(scene), float(right - left), "wedge",
         rough_plates=rough_plates,
@@ -175,7 +180,11 @@ def _half_angle(scene: Scene) -> float | None:
     if not angles:
         return None
     if max(angles) - min(angles) > math.radians(0.1):
-        raise InputError("its two sides converge at unlike angles; the closed forms are symmetric")
+        first, second = (f"{math.degrees(one):.3g} deg" for one in (min(angles), max(angles)))
+        raise InputError(
+            f"its sides converge at unlike angles, {first} and {second} from the vertical, and the "
+            "closed forms are symmetric; silo2d observe RUN loads gives the runs' part alone"
+        )
     return None if math.isclose(angles[0], math.pi / 2) else angles[0]
 
 
