@@ -104,7 +104,8 @@ class Vessel:
     @property
     def outlet_across(self) -> float:
         """Largest width of the outlet [m], which a rathole must not bridge: a slot's diagonal."""
-        return math.hypot(self.outlet, self.length) if self.hopper == "wedge" else self.outlet
+        slot = self.hopper == "wedge" and self.outlet > 0
+        return math.hypot(self.outlet, self.length) if slot else self.outlet
 
     @property
     def volume(self) -> float:

@@ -531,10 +531,11 @@ def test_strength_beyond_the_last_point_is_said_to_be_extrapolated(tmp_path, las
 
 
 def test_rathole_is_compared_with_the_diagonal_of_a_slot():
-    """A slot of 0.3 m x 4 m is 4.01 m across, a round outlet as wide as it is."""
+    """A slot of 0.3 m x 4 m is 4.01 m across, a round outlet as wide as it is, none is 0 m."""
     slot = Vessel("rectangular", 3.0, 4.0, 9.0, 0.5, 0.3, "wedge")
     assert slot.outlet_across == pytest.approx(math.hypot(0.3, 4.0))
     assert Vessel("circular", 3.0, 3.0, 9.0, 0.5, 0.3).outlet_across == 0.3
+    assert Vessel("rectangular", 3.0, 4.0, 9.0, 0.5, 0.0, "wedge").outlet_across == 0.0
 
 
 def test_large_silo_of_class_one_says_that_it_is_none(tmp_path):
