@@ -5,31 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from exported_film import Film
 from fake_damper_run import OFFSETS, RADII, write_fake_damper_run
 from small_damper import damper3d
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkIOHDF import vtkHDFReader
 
 from damper3d.view.export import export
 from damper3d.view.scene import read_scene
 
 SINGLE = np.finfo(np.float32).eps
-
-
-class Film:
-    """A VTKHDF file as VTK's own reader gives it."""
-
-    def __init__(self, path: Path) -> None:
-        self.reader = vtkHDFReader()
-        self.reader.SetFileName(str(path))
-        self.reader.UpdateInformation()
-        self.n_steps = self.reader.GetNumberOfSteps()
-
-    def step(self, index: int):
-        """The vtkPolyData of a step."""
-        self.reader.SetStep(index)
-        self.reader.Update()
-        return self.reader.GetOutput()
 
 
 def points(mesh) -> np.ndarray:

@@ -11,11 +11,11 @@ import time
 from pathlib import Path
 
 import pytest
-from damper_runs import OFTEN, OPTIONS, small, start
+from damper_runs import OFTEN, OPTIONS, small
 from forking import fork, forked
 from same_run import assert_same_run, results
 from small_damper import damper3d
-from small_silo import finish, the_run
+from small_silo import finish, start, the_run
 
 from damper3d.engine.simulation import Simulation
 from damper3d.run import protocol, vibration
@@ -159,8 +159,8 @@ def test_a_filling_that_is_killed_leaves_no_lock(damper_reference, tmp_path):
 def test_ctrl_c_keeps_the_state_and_says_how_to_go_on(tmp_path):
     """Exit code 130; the command in the one line on stderr goes on to the end."""
     arguments = [*OPTIONS, "--cycles", 400, "-o", tmp_path, "--no-figures", "--quiet"]
-    process = start("run", *arguments, before="from damper3d.run import vibration\n"
-                    f"vibration.CHECKPOINT_WORK = {OFTEN}")  # fmt: skip
+    often = f"from damper3d.run import vibration\nvibration.CHECKPOINT_WORK = {OFTEN}"
+    process = start("run", *arguments, before=often, package="damper3d")
     while not list(tmp_path.glob("*/parts/00003.h5")) and process.poll() is None:
         time.sleep(5e-3)
     process.send_signal(signal.SIGINT)

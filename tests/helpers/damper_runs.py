@@ -1,7 +1,5 @@
-"""A damper of twenty spheres that fills and is shaken in a second: its runs, begun and killed."""
+"""A damper of twenty spheres that fills and is shaken in a second, and such of other particles."""
 
-import subprocess
-import sys
 from typing import Any
 
 from damper3d.case.case import DamperCase
@@ -62,14 +60,3 @@ def small_mixture(**changes: Any) -> DamperCase:
 def _case(usual: dict[str, Any], changes: dict[str, Any]) -> DamperCase:
     named = {key.replace("__", "."): value for key, value in changes.items()}
     return DamperCase.load("thesis", usual | named)
-
-
-def start(*arguments: object, before: str = "") -> subprocess.Popen[str]:
-    """Start the command as a process of its own; `before` is Python that it runs first."""
-    program = f"{before}\nfrom damper3d.commands.main import main\nmain()"
-    return subprocess.Popen(
-        [sys.executable, "-c", program, *map(str, arguments)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )

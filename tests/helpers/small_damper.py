@@ -1,10 +1,9 @@
 """A damper of twenty spheres, and the command to run it."""
 
-import json
 from pathlib import Path
 from typing import Any
 
-from small_silo import Completed, run_command
+from small_silo import Completed, run_command, write_keys
 
 from damper3d.commands.main import main
 
@@ -38,23 +37,7 @@ KEYS = {
 
 def write_damper(folder: Path, changes: dict[str, Any] | None = None, name: str = "small") -> Path:
     """Write NAME.toml into a folder; a change to None takes a key out."""
-    tables: dict[str, dict[str, Any]] = {}
-    for place, value in (CASE | (changes or {})).items():
-        table, _, key = place.rpartition(".")
-        if value is not None:
-            tables.setdefault(table, {})[key] = value
-    lines = ["schema = 1"]
-    for table, entries in sorted(tables.items()):  # "" first: keys of no table
-        lines += [f"[{table}]"] if table else []
-        # Texts, numbers, truth values and lists of numbers are written alike in TOML and JSON,
-        # but for numbers that are none.
-        lines += [
-            f"{key} = {json.dumps(value).replace('NaN', 'nan').replace('Infinity', 'inf')}"
-            for key, value in entries.items()
-        ]
-    path = folder / f"{name}.toml"
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    return path
+    return write_keys(folder / f"{name}.toml", CASE | (changes or {}))
 
 
 def damper3d(*arguments: object) -> Completed:

@@ -78,17 +78,25 @@ class DischargeStop:
 def write_case(folder: Path, changes: dict[str, Any] | None = None, name: str = "small") -> Path:
     """Write NAME.toml with its shapes file into a folder; a change to None takes a key out."""
     (folder / "small_shapes.toml").write_text(SHAPES, encoding="utf-8")
+    return write_keys(folder / f"{name}.toml", CASE | (changes or {}))
+
+
+def write_keys(path: Path, keys: dict[str, Any]) -> Path:
+    """Write a case of keys such as "silo.angle"; one of None is left out."""
     tables: dict[str, dict[str, Any]] = {}
-    for place, value in (CASE | (changes or {})).items():
+    for place, value in keys.items():
         table, _, key = place.rpartition(".")
         if value is not None:
             tables.setdefault(table, {})[key] = value
     lines = ["schema = 1"]
     for table, entries in sorted(tables.items()):  # "" first: keys of no table
         lines += [f"[{table}]"] if table else []
-        # Texts, numbers, truth values and lists of numbers are written alike in TOML and JSON.
-        lines += [f"{key} = {json.dumps(value)}" for key, value in entries.items()]
-    path = folder / f"{name}.toml"
+        # Texts, numbers, truth values and lists of numbers are written alike in TOML and JSON,
+        # but for numbers that are none.
+        lines += [
+            f"{key} = {json.dumps(value).replace('NaN', 'nan').replace('Infinity', 'inf')}"
+            for key, value in entries.items()
+        ]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path
 
@@ -129,9 +137,9 @@ def silo2d(*arguments: object) -> Completed:
     return run_command("silo2d", main, *arguments)
 
 
-def start(*arguments: object, before: str = "") -> subprocess.Popen[str]:
+def start(*arguments: object, before: str = "", package: str = "silo2d") -> subprocess.Popen[str]:
     """Start the command as a process of its own; `before` is Python that it runs first."""
-    program = f"{before}\nfrom silo2d.commands.main import main\nmain()"
+    program = f"{before}\nfrom {package}.commands.main import main\nmain()"
     return subprocess.Popen(
         [sys.executable, "-c", program, *map(str, arguments)],
         stdout=subprocess.PIPE,

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from exported_film import Film
 from fake_run import write_fake_run
 from refusals import assert_refused
 from small_silo import contents, silo2d
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkIOHDF import vtkHDFReader
 
 from granulab.campaign.runs.ragged import Tables
 from granulab.campaign.runs.trajectory import read_tables, read_trajectory
@@ -23,22 +23,6 @@ from silo2d.view.scene import read_scene
 
 AXES = ["xx", "yy", "xy"]
 SINGLE = np.finfo(np.float32).eps / 2  # relative rounding of what is kept in single precision
-
-
-class Film:
-    """A VTKHDF file as VTK's own reader gives it."""
-
-    def __init__(self, path: Path) -> None:
-        self.reader = vtkHDFReader()
-        self.reader.SetFileName(str(path))
-        self.reader.UpdateInformation()
-        self.n_steps = self.reader.GetNumberOfSteps()
-
-    def step(self, index: int):
-        """The vtkPolyData of a step."""
-        self.reader.SetStep(index)
-        self.reader.Update()
-        return self.reader.GetOutput()
 
 
 def cell_points(mesh, index: int) -> np.ndarray:
