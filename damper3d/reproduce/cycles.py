@@ -4,23 +4,20 @@
 and 4 about the fluidisation optimum in both orientations. The rows hold the histories.
 """
 
-from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from damper3d.reproduce.panels import completeness, point_cases, run_of_cases
+from damper3d.reproduce.panels import completeness, point_cases, run_of_cases, with_read
 from damper3d.reproduce.quantities.cycles import CYCLES, FREQUENCY, ideal_since, readings
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import report_claims
 from granulab.campaign.output.layout import columns, done, paragraphs
-from granulab.errors import FolderError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
-
-    from granulab.campaign.sweeps.sweep import Labelled
 
 Row = dict[str, Any]
 
@@ -52,11 +49,6 @@ def points() -> list[Row]:
     return [{"orientation": o, "gamma": gamma} for o, gammas in chosen for gamma in gammas]
 
 
-def cases(seeds: Sequence[int], changes: Row | None = None) -> "list[Labelled]":
-    """Each point once for each seed; `changes` go over what the table sets."""
-    return point_cases(points(), _settings, seeds, changes)
-
-
 def _settings(point: Row) -> Row:
     return {
         "motion.orientation": point["orientation"],
@@ -67,36 +59,32 @@ def _settings(point: Row) -> Row:
     }
 
 
+cases = partial(point_cases, points, _settings)
+
+
 def run(**options: Any) -> list[Row]:
     """Every point for each seed, with its histories; runs that are there are not done again."""
     rows = run_of_cases(lambda seeds: cases(seeds))(**options)
-    return [with_history(row) for row in rows]
+    return [with_read(row, history) for row in rows]
 
 
-def with_history(row: Row) -> Row:
-    """A row with its mean pair of counted cycles, read from its run folder.
+def history(folder: str) -> Row:
+    """The mean pair of counted cycles of a run folder.
 
     cycle.dissipated       (2 n + 1,) [J] since the pair began
     cycle.bed_velocity     (2 n + 1,) [m/s] along the motion, in the lab
-    A run whose samples are not there any more becomes a failed one.
     """
     from damper3d.measures.efficiency import dissipated
     from damper3d.view.scene import read_scene
-    from granulab.campaign.sweeps.sweep import is_elsewhere
 
-    if row["state"] != "done" or is_elsewhere(row):
-        return row
-    try:
-        scene = read_scene(row["run_folder"])
-    except FolderError as error:
-        return row | {"state": "failed", "reason": str(error)}
+    scene = read_scene(folder)
     energy = dissipated(scene.trajectory)
     bed = scene.along(scene.trajectory["mean_velocity"])
     per_pair, first = 2 * scene.samples_per_cycle, scene.counted.start * scene.samples_per_cycle
     pairs = len(scene.counted) // 2
     at = first + per_pair * np.arange(pairs)[:, None] + np.arange(per_pair + 1)
     histories = {"dissipated": energy[at] - energy[at[:, :1]], "bed_velocity": bed[at]}
-    return row | {f"cycle.{name}": _short(pairs.mean(axis=0)) for name, pairs in histories.items()}
+    return {f"cycle.{name}": _short(pairs.mean(axis=0)) for name, pairs in histories.items()}
 
 
 def _short(history: np.ndarray) -> list[float]:

@@ -4,7 +4,7 @@ The thesis's bed unless the label says otherwise; every run goes on until it is 
 in service is, so that a bed that packs down does not count.
 """
 
-from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from damper3d.reproduce.panels import completeness, point_cases, run_of_cases
@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from granulab.campaign.sweeps.sweep import Labelled
-
 Row = dict[str, Any]
 
 SEEDS = 3
@@ -50,11 +48,6 @@ optimum: highest peak of eta along Gamma, with the interval that the noise leave
   where the intervals have no point in common. Runs are steady ones, of at most 60 cycles."""
 
 
-def cases(seeds: Sequence[int], changes: Row | None = None) -> "list[Labelled]":
-    """Each point once for each seed; `changes` go over what the table sets."""
-    return point_cases(points(), _settings, seeds, changes)
-
-
 def _settings(point: Row) -> Row:
     return {
         "motion.frequency": point["frequency_hz"],
@@ -65,6 +58,7 @@ def _settings(point: Row) -> Row:
     }
 
 
+cases = partial(point_cases, points, _settings)
 run = run_of_cases(lambda seeds: cases(seeds))
 
 

@@ -5,10 +5,10 @@ experiments, which are their restitutions, 0.91 and 0.83 (Fig. 7.5). No measured
 and no signal analysis: force and acceleration of the enclosure are those of the run.
 """
 
-from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from damper3d.reproduce.panels import completeness, point_cases, run_of_cases
+from damper3d.reproduce.panels import completeness, point_cases, run_of_cases, with_read
 from damper3d.reproduce.quantities.experiments import (
     EXPERIMENTS,
     FREQUENCY,
@@ -19,12 +19,9 @@ from damper3d.reproduce.quantities.experiments import (
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import report_claims
 from granulab.campaign.output.layout import columns, done, paragraphs
-from granulab.errors import FolderError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from granulab.campaign.sweeps.sweep import Labelled
 
 Row = dict[str, Any]
 
@@ -55,11 +52,6 @@ def points() -> list[Row]:
     ]
 
 
-def cases(seeds: Sequence[int], changes: Row | None = None) -> "list[Labelled]":
-    """Each point once for each seed; `changes` go over what the table sets."""
-    return point_cases(points(), _settings, seeds, changes)
-
-
 def _settings(point: Row) -> Row:
     return {
         "law.restitution": SURFACES[point["surface"]],
@@ -71,28 +63,22 @@ def _settings(point: Row) -> Row:
     }
 
 
+cases = partial(point_cases, points, _settings)
+
+
 def run(**options: Any) -> list[Row]:
     """Every point for each seed, with its signs; runs that are there are not done again."""
     rows = run_of_cases(lambda seeds: cases(seeds))(**options)
-    return [with_signs(row) for row in rows]
+    return [with_read(row, signs) for row in rows]
 
 
-def with_signs(row: Row) -> Row:
-    """A row with the signs of its counted cycles, read from its run folder.
-
-    A run whose samples are not there any more becomes a failed one.
-    """
+def signs(folder: str) -> Row:
+    """The signs of the counted cycles of a run folder."""
     from damper3d.measures.counted import read_cycles
     from damper3d.run.folders import shaken
-    from granulab.campaign.sweeps.sweep import is_elsewhere
 
-    if row["state"] != "done" or is_elsewhere(row):
-        return row
-    try:
-        found = signs_of(read_cycles(shaken(row["run_folder"]).path))
-    except FolderError as error:
-        return row | {"state": "failed", "reason": str(error)}
-    return row | {f"sign.{name}": float(f"{value:.5g}") for name, value in found.items()}
+    found = signs_of(read_cycles(shaken(folder).path))
+    return {f"sign.{name}": float(f"{value:.5g}") for name, value in found.items()}
 
 
 def report(rows: list[Row]) -> str:

@@ -4,7 +4,7 @@ Vertical motion at 20 Hz, 358 spheres of 5 mm, fill ratio 0.466, one property ch
 The values are those of the module properties.
 """
 
-from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from damper3d.reproduce.panels import completeness, point_cases, run_of_cases
@@ -37,8 +37,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from granulab.campaign.sweeps.sweep import Labelled
-
 Row = dict[str, Any]
 
 SEEDS = 3
@@ -58,11 +56,6 @@ Density and modulus enter as E/rho alone (forces grow with E, masses with rho, t
   twice the density is half the modulus."""
 
 
-def cases(seeds: Sequence[int], changes: Row | None = None) -> "list[Labelled]":
-    """Each point once for each seed; `changes` go over what the table sets."""
-    return point_cases(points(), _settings, seeds, changes)
-
-
 def _settings(point: Row) -> Row:
     return {
         "motion.frequency": FREQUENCY,
@@ -72,6 +65,7 @@ def _settings(point: Row) -> Row:
     }
 
 
+cases = partial(point_cases, points, _settings)
 run = run_of_cases(lambda seeds: cases(seeds))
 
 

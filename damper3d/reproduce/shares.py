@@ -5,7 +5,7 @@ Each share is given twice: of what our budget finds dissipated, and of the thesi
 in which friction is the whole force mu Fn times the sliding velocity, so that it is more.
 """
 
-from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from damper3d.reproduce.panels import SPHERES, completeness, point_cases, run_of_cases
@@ -39,8 +39,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from granulab.campaign.sweeps.sweep import Labelled
-
 Row = dict[str, Any]
 
 SEEDS = 3
@@ -73,11 +71,6 @@ def points() -> list[Row]:
     ]
 
 
-def cases(seeds: Sequence[int], changes: Row | None = None) -> "list[Labelled]":
-    """Each point once for each seed; `changes` go over what the table sets."""
-    return point_cases(points(), _settings, seeds, changes)
-
-
 def _settings(point: Row) -> Row:
     return {
         "particles.shape": f"sphere:{point['diameter_mm']}mm",
@@ -88,6 +81,7 @@ def _settings(point: Row) -> Row:
     }
 
 
+cases = partial(point_cases, points, _settings)
 run = run_of_cases(lambda seeds: cases(seeds))
 
 

@@ -1,31 +1,9 @@
 """From a table's cases to rows: what they will cost, and the sweep."""
 
-from collections.abc import Callable, Iterable, Sequence
-from pathlib import Path
-from typing import Any
+from functools import partial
 
-import click
-
-from granulab.campaign.sweeps.overview import cost
-from granulab.campaign.sweeps.sweep import Labelled, lacking
+from granulab.campaign.cli import reproduce
 from silo2d.run import sweep
 
-Row = dict[str, Any]
-
-
-def run_all(
-    cases: Sequence[Labelled], *, out: Path, workers: int | None, quiet: bool, **engine: Any
-) -> list[Row]:
-    """The rows of the cases, in their order; see silo2d.run.sweep.run_cases."""
-    if not quiet:
-        click.echo(cost(sweep.SILO, lacking(cases, engine.get("known", ()))), err=True)
-    return sweep.run_cases(cases, out=out, workers=workers, quiet=quiet, **engine)
-
-
-def run_of_cases(cases: Callable[[Sequence[int]], Iterable[Labelled]]) -> Callable[..., list[Row]]:
-    """The `run` of a table (granulab.campaign.cli.reproduce) with these cases of its seeds."""
-
-    def run(*, seeds: Sequence[int], **options: Any) -> list[Row]:
-        return run_all(list(cases(seeds)), **options)
-
-    return run
+run_all = partial(reproduce.run_all, sweep, sweep.SILO)
+run_of_cases = partial(reproduce.run_of_cases, run_all)

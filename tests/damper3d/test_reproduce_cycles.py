@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from made_damper_rows import done, failed, history, ideal_bouncing_bed
 
 from damper3d.reproduce import cycles
-from damper3d.reproduce.cycles import points, with_history
+from damper3d.reproduce.cycles import points
+from damper3d.reproduce.panels import with_read
 from damper3d.reproduce.quantities.cycle_steps import read, steps_of
 from damper3d.reproduce.quantities.cycles import CYCLES, ideal_since, readings
 from granulab.campaign.claims.claim import claims_of
@@ -147,7 +148,7 @@ def test_a_row_takes_its_history_from_the_run_folder(tmp_path: Path):
     """The fake bed dissipates E (p - 0.9 sin(4 pi p)/(4 pi)) of each cycle: two steps."""
     run = write_fake_damper_run(tmp_path / "run", cycles=5, discard=3, samples=40)
     labels = {"orientation": "vertical", "gamma": 20.0}
-    row = with_history(done(labels, run_folder=str(run.path), frequency_hz=40.0))
+    row = with_read(done(labels, run_folder=str(run.path), frequency_hz=40.0), cycles.history)
     energy = np.array(row["cycle.dissipated"])
     part = np.arange(81) / 40
     first, second = energy[40], energy[80] - energy[40]
@@ -156,6 +157,6 @@ def test_a_row_takes_its_history_from_the_run_folder(tmp_path: Path):
     grown = np.where(cycle, first + second * np.where(part == 2, 1, expected), first * expected)
     np.testing.assert_allclose(energy, grown, atol=1e-4 * energy[-1])
     assert read(row).steps == 2
-    lost = with_history(done(labels, run_folder=str(tmp_path / "nowhere")))
+    lost = with_read(done(labels, run_folder=str(tmp_path / "nowhere")), cycles.history)
     assert lost["state"] == "failed"
     assert "nowhere" in lost["reason"]

@@ -8,6 +8,7 @@ from small_damper import CASE, damper3d
 
 from damper3d.commands.main import app
 from damper3d.reproduce import TABLES, cycles, experiments, find, sensitivity, shares
+from damper3d.reproduce.panels import point_cases
 from damper3d.reproduce.quantities import properties
 from damper3d.run.sweep import DAMPER
 from granulab.campaign.cli.reproduce import PublishedTable
@@ -30,15 +31,16 @@ def _few_points(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in properties.VALUES:
         one = (0.3,) if name == "friction" else ()
         monkeypatch.setitem(properties.VALUES, name, one)
-    motion: dict[str, Any] = {"motion.frequency": 80.0}
-    for table, changes in (
-        (shares, {}), (sensitivity, motion), (cycles, motion), (experiments, motion),
-    ):  # fmt: skip
-        monkeypatch.setattr(table, "cases", partial(table.cases, changes=_SMALL | changes))
     some = [{"orientation": o, "gamma": 20.0} for o in ("vertical", "horizontal")]
     monkeypatch.setattr(cycles, "points", lambda: some)
     both = [{"surface": s, "frequency_hz": 80.0, "gamma": 20.0} for s in ("smooth", "printed")]
     monkeypatch.setattr(experiments, "points", lambda: both)
+    motion: dict[str, Any] = {"motion.frequency": 80.0}
+    for table, changes in (
+        (shares, {}), (sensitivity, motion), (cycles, motion), (experiments, motion),
+    ):  # fmt: skip
+        few = partial(point_cases, table.points, table._settings, changes=_SMALL | changes)
+        monkeypatch.setattr(table, "cases", few)
 
 
 @pytest.mark.usefixtures("in_this_process")

@@ -7,7 +7,8 @@ from made_damper_rows import done, failed
 
 from damper3d.measures.counted import read_cycles
 from damper3d.reproduce import experiments
-from damper3d.reproduce.experiments import points, with_signs
+from damper3d.reproduce.experiments import points
+from damper3d.reproduce.panels import with_read
 from damper3d.reproduce.quantities.experiments import (
     EXPERIMENTS,
     SURFACES,
@@ -122,9 +123,9 @@ def test_signs_of_a_made_bed(tmp_path):
 def test_a_row_takes_its_signs_from_the_run_folder(tmp_path):
     run = write_fake_damper_run(tmp_path / "run", cycles=5)
     labels = points()[0]
-    row = with_signs(done(labels, run_folder=str(run.path)))
+    row = with_read(done(labels, run_folder=str(run.path)), experiments.signs)
     assert row["sign.ends"] == 2
-    lost = with_signs(done(labels, run_folder=str(tmp_path / "nowhere")))
+    lost = with_read(done(labels, run_folder=str(tmp_path / "nowhere")), experiments.signs)
     assert lost["state"] == "failed"
     assert "nowhere" in lost["reason"]
 

@@ -41,7 +41,7 @@ def variant(
 
 def cases_of(study, seeds=(1, 2)) -> list:
     """The labelled cases that a study would run."""
-    with mock.patch("silo2d.reproduce.runs.run_all", lambda cases, **how: cases):
+    with mock.patch("silo2d.run.sweep.run_cases", lambda cases, **how: cases):
         return study.run(out=Path("nowhere"), seeds=seeds, workers=None, quiet=True)
 
 

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 import click
@@ -13,9 +13,10 @@ from damper3d.case.closed_forms import PACKINGS, bouncing_bed_onset, fluidisatio
 from damper3d.run import sweep
 from damper3d.studies.map.grid import GAMMAS, MapResult
 from damper3d.studies.predict.prediction import Clearance, Prediction
+from granulab.campaign.cli import reproduce
 from granulab.campaign.output.layout import done, not_done, stopped
-from granulab.campaign.sweeps.overview import cost
-from granulab.campaign.sweeps.sweep import Labelled, lacking, over_seeds
+from granulab.campaign.sweeps.sweep import Labelled, is_elsewhere, over_seeds
+from granulab.errors import FolderError
 
 Row = dict[str, Any]
 Point = tuple[float, float]  # frequency [Hz] and Gamma
@@ -72,19 +73,18 @@ def labels_of(panels: Sequence[Panel]) -> list[Row]:
     return [labels for panel in panels for labels in panel.labelled()]
 
 
-def run_all(
-    cases: Sequence[Labelled], *, out: Path, workers: int | None, quiet: bool, **engine: Any
-) -> list[Row]:
-    """The rows of the cases, in their order; see damper3d.run.sweep.run_cases.
+def run_all(cases: Sequence[Labelled], **options: Any) -> list[Row]:
+    """The rows of the cases, in their order; see granulab.campaign.cli.reproduce.run_all.
 
     The thesis leaves three cycles out and counts what the next ones lose, settling and all: so
     does the column efficiency here.
     """
-    if not quiet:
-        click.echo(cost(sweep.DAMPER, lacking(cases, engine.get("known", ()))), err=True)
-    rows = sweep.run_cases(cases, out=out, workers=workers, quiet=quiet, **engine)
+    rows = reproduce.run_all(sweep, sweep.DAMPER, cases, **options)
     whole = "efficiency_with_settling"
     return [row if row.get(whole) is None else row | {"efficiency": row[whole]} for row in rows]
+
+
+run_of_cases = partial(reproduce.run_of_cases, run_all)
 
 
 def run_panels(
@@ -175,7 +175,7 @@ def prediction_of(rows: Sequence[Row]) -> Prediction | None:
 
 
 def point_cases(
-    points: Sequence[Row], settings: Callable[[Row], Row], seeds: Sequence[int],
+    points: Callable[[], Sequence[Row]], settings: Callable[[Row], Row], seeds: Sequence[int],
     changes: Row | None = None,
 ) -> list[Labelled]:  # fmt: skip
     """The thesis's case with the settings of each point, once for each seed.
@@ -184,20 +184,24 @@ def point_cases(
     """
     return [
         labelled
-        for point in points
+        for point in points()
         for labelled in over_seeds(
             point, DamperCase.load("thesis", settings(point) | (changes or {})), seeds
         )
     ]
 
 
-def run_of_cases(cases: Callable[[Sequence[int]], list[Labelled]]) -> Run:
-    """The `run` of a table (granulab.campaign.cli.reproduce) whose cases are all known before."""
+def with_read(row: Row, read: Callable[[str], Row]) -> Row:
+    """A row that is done, with what is read from its run folder.
 
-    def run(*, seeds: Sequence[int], **options: Any) -> list[Row]:
-        return run_all(cases(seeds), **options)
-
-    return run
+    A run whose samples are not there any more becomes a failed one.
+    """
+    if row["state"] != "done" or is_elsewhere(row):
+        return row
+    try:
+        return row | read(row["run_folder"])
+    except FolderError as error:
+        return row | {"state": "failed", "reason": str(error)}
 
 
 def run_of_panels(panels: Callable[[], Sequence[Panel]], refine: int = 0) -> Run:

@@ -5,7 +5,7 @@ velocity (sec. 6.2.2) are where the map has its fastest: with constant restituti
 and with one that falls above the yield velocity, as sec. 5.5 has it.
 """
 
-from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from damper3d.reproduce.panels import SPHERES, completeness, point_cases, run_of_cases
@@ -26,8 +26,6 @@ from granulab.campaign.output.layout import columns, paragraphs
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from granulab.campaign.sweeps.sweep import Labelled
-
 Row = dict[str, Any]
 
 SEEDS = 3
@@ -43,11 +41,6 @@ impact: fastest between particles over their yield velocity (eq. 5.26, 3.5 m/s),
   differ with the noise of the packings."""
 
 
-def cases(seeds: Sequence[int], changes: Row | None = None) -> "list[Labelled]":
-    """Each point once for each seed; `changes` go over what the table sets."""
-    return point_cases(points(), _settings, seeds, changes)
-
-
 def _settings(point: Row) -> Row:
     return {
         "motion.orientation": point["orientation"],
@@ -60,6 +53,7 @@ def _settings(point: Row) -> Row:
     }
 
 
+cases = partial(point_cases, points, _settings)
 run = run_of_cases(lambda seeds: cases(seeds))
 
 

@@ -124,7 +124,7 @@ def _step(runs: list[tuple[int, int]], k: int, spread: Floats, n: int) -> Step:
 
 
 def read(row: Mapping[str, Any]) -> Reading:
-    """A row with its histories (see reproduce.cycles.with_history)."""
+    """A row with its histories (see reproduce.cycles.history)."""
     dissipated, bed = (np.array(row[f"cycle.{name}"]) for name in ("dissipated", "bed_velocity"))
     n = len(dissipated) - 1
     peak = row["gamma"] * GRAVITY / (2 * np.pi * row["frequency_hz"])

@@ -3,7 +3,7 @@
 import importlib
 import inspect
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
@@ -21,7 +21,7 @@ from granulab.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from granulab.campaign.sweeps.sweep import Simulator
+    from granulab.campaign.sweeps.sweep import Labelled, Simulator
 
 Row = dict[str, Any]
 
@@ -48,6 +48,33 @@ class PublishedTable(Protocol):
 
     def draw(self, rows: list[Row]) -> "Figure":
         """The table as a picture."""
+
+
+def run_all(
+    sweep: Any, simulator: "Simulator", cases: "Sequence[Labelled]", *, quiet: bool, **options: Any
+) -> list[Row]:
+    """The rows of the cases, in their order, once it is said what they will cost.
+
+    sweep: the simulator's module whose `run_cases` takes the options, see run_labelled.
+    """
+    from granulab.campaign.sweeps.overview import cost
+    from granulab.campaign.sweeps.sweep import lacking
+
+    if not quiet:
+        click.echo(cost(simulator, lacking(cases, options.get("known", ()))), err=True)
+    rows: list[Row] = sweep.run_cases(cases, quiet=quiet, **options)
+    return rows
+
+
+def run_of_cases(
+    run_all: Callable[..., list[Row]], cases: "Callable[[Sequence[int]], Iterable[Labelled]]"
+) -> Callable[..., list[Row]]:
+    """The `run` of a table whose cases are all known before, from those of its seeds."""
+
+    def run(*, seeds: Sequence[int], **options: Any) -> list[Row]:
+        return run_all(list(cases(seeds)), **options)
+
+    return run
 
 
 def reproduce_command(
