@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from coverage_table import read, report
 
 from calibration.bench.incline import friction
 from calibration.bench.measure import Quantity
@@ -92,15 +93,8 @@ def table(rows: list[Row]) -> Iterator[str]:
             )
 
 
-def read(path: Path) -> list[Row]:
-    """Rows of earlier runs."""
-    if not path.exists():
-        path.write_text(",".join(Row._fields) + "\n", encoding="utf-8", newline="\n")
-    with path.open(newline="", encoding="utf-8") as file:
-        return [
-            Row(kind, int(seed), what, float(value), float(sigma), float(truth), note)
-            for kind, seed, what, value, sigma, truth, note in list(csv.reader(file))[1:]
-        ]
+def _row(kind: str, seed: str, what: str, value: str, sigma: str, truth: str, note: str) -> Row:
+    return Row(kind, int(seed), what, float(value), float(sigma), float(truth), note)
 
 
 def main() -> None:
@@ -112,7 +106,7 @@ def main() -> None:
     parser.add_argument("--kind", nargs="+", default=["incline", "slide"])
     options = parser.parse_args()
     path = options.folder / "block-coverage.csv"
-    done = {row[:2] for row in read(path)}
+    done = {row[:2] for row in read(path, Row._fields, _row)}
     with path.open("a", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         for kind in options.kind:
@@ -120,9 +114,7 @@ def main() -> None:
                 if (kind, seed) not in done:
                     writer.writerows(measured(kind, seed))
                     file.flush()
-    text = "\n".join(table(read(path))) + "\n"
-    (options.folder / "block-coverage.txt").write_text(text, encoding="utf-8", newline="\n")
-    print(text, end="")
+    report(path, table(read(path, Row._fields, _row)))
 
 
 if __name__ == "__main__":

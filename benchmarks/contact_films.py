@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from coverage_table import read, report
 
 from calibration.rebound.impact import at_contact, energy
 from calibration.rebound.measure import measure_rebound
@@ -221,15 +222,8 @@ def table(rows: list[Row]) -> Iterator[str]:
         )
 
 
-def read(path: Path) -> list[Row]:
-    """The rows of earlier runs."""
-    if not path.exists():
-        path.write_text(",".join(Row._fields) + "\n", encoding="utf-8")
-    with path.open(newline="", encoding="utf-8") as file:
-        return [
-            Row(int(c), w, float(v) if w else v, float(s), float(t))
-            for c, w, v, s, t in list(csv.reader(file))[1:]
-        ]
+def _row(clip: str, what: str, value: str, sigma: str, truth: str) -> Row:
+    return Row(int(clip), what, float(value) if what else value, float(sigma), float(truth))
 
 
 def main() -> None:
@@ -241,15 +235,12 @@ def main() -> None:
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
     path = options.folder / f"{options.name}-coverage.csv"
-    done = {row.clip for row in read(path)}
+    done = {row.clip for row in read(path, Row._fields, _row)}
     with path.open("a", newline="", encoding="utf-8") as file:
         for clip in set(range(options.clips)) - done:
             csv.writer(file).writerows(MEASURES[options.name](clip))
             file.flush()
-    text = "\n".join(table(read(path))) + "\n"
-    report = options.folder / f"{options.name}-coverage.txt"
-    report.write_text(text, encoding="utf-8", newline="\n")
-    print(text, end="")
+    report(path, table(read(path, Row._fields, _row)))
 
 
 if __name__ == "__main__":

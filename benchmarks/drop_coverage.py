@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from coverage_table import read, report
 
 from calibration.drop.measure import measure_drop
 from calibration.rendered.backdrop import Backdrop
@@ -131,15 +132,9 @@ def line(name: str, rows: list[Row]) -> str:
     )
 
 
-def read(path: Path) -> list[Row]:
-    """The rows of earlier runs."""
-    if not path.exists():
-        path.write_text(",".join(Row._fields) + "\n", encoding="utf-8")
-    with path.open(newline="", encoding="utf-8") as file:
-        return [
-            Row(float(r), float(n), b, int(c), w or None, float(v) if w else v, float(s), float(t))
-            for r, n, b, c, w, v, s, t in list(csv.reader(file))[1:]
-        ]
+def _row(r: str, n: str, b: str, c: str, w: str, v: str, s: str, t: str) -> Row:
+    value = float(v) if w else v
+    return Row(float(r), float(n), b, int(c), w or None, value, float(s), float(t))
 
 
 def main() -> None:
@@ -151,7 +146,7 @@ def main() -> None:
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
     path = options.folder / "drop-coverage.csv"
-    done = {row[:4] for row in read(path)}
+    done = {row[:4] for row in read(path, Row._fields, _row)}
     grid = list(product(RATES, NOISE, BLUR))
     cases = [(*point, clip) for clip in range(options.clips) for point in grid]
     cases = [case for case in cases if case not in done]
@@ -162,10 +157,7 @@ def main() -> None:
         for found in pool.map(measured, cases):
             csv.writer(file).writerows(found)
             file.flush()
-    rows = read(path)
-    text = "\n".join(table(rows)) + "\n"
-    (options.folder / "drop-coverage.txt").write_text(text, encoding="utf-8")
-    print(text, end="")
+    report(path, table(read(path, Row._fields, _row)))
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 import cv2
 import numpy as np
+from coverage_table import read, report
 
 from calibration.flow.packing import measure_packing
 from calibration.rendered.camera import Camera
@@ -119,15 +120,8 @@ def table(rows: list[Row]) -> Iterator[str]:
         )
 
 
-def read(path: Path) -> list[Row]:
-    """Rows of earlier runs."""
-    if not path.exists():
-        path.write_text(",".join(Row._fields) + "\n", encoding="utf-8", newline="\n")
-    with path.open(newline="", encoding="utf-8") as file:
-        return [
-            Row(int(silo), int(picture), what, float(value), float(sigma), float(truth), note)
-            for silo, picture, what, value, sigma, truth, note in list(csv.reader(file))[1:]
-        ]
+def _row(silo: str, picture: str, what: str, value: str, sigma: str, truth: str, note: str) -> Row:
+    return Row(int(silo), int(picture), what, float(value), float(sigma), float(truth), note)
 
 
 def main() -> None:
@@ -138,7 +132,7 @@ def main() -> None:
     parser.add_argument("--runs", type=Path, nargs="*", default=[], help="of the seven silos")
     options = parser.parse_args()
     path = options.folder / "packing-coverage.csv"
-    done = {row[:2] for row in read(path)}
+    done = {row[:2] for row in read(path, Row._fields, _row)}
     with (
         tempfile.TemporaryDirectory() as work,
         path.open("a", newline="", encoding="utf-8") as file,
@@ -150,9 +144,7 @@ def main() -> None:
                 if (silo, picture) not in done:
                     writer.writerows(measured(run, silo, picture, Path(work)))
                     file.flush()
-    text = "\n".join(table(read(path))) + "\n"
-    (options.folder / "packing-coverage.txt").write_text(text, encoding="utf-8", newline="\n")
-    print(text, end="")
+    report(path, table(read(path, Row._fields, _row)))
 
 
 if __name__ == "__main__":
