@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from calibration.bench.compression import Branch
 from calibration.result import checked
 from calibration.statistics.correlated import propagated
 from calibration.statistics.uncertainty import Estimate
@@ -16,12 +17,13 @@ from calibration.triaxial.blocks import Line, relative
 from calibration.triaxial.load import load_at
 from calibration.triaxial.markers import Dots, follow
 from calibration.triaxial.result import Setting, Triaxial
-from calibration.triaxial.stiffness import Branch, Slopes, slopes
+from calibration.triaxial.stiffness import Slopes, slopes
 from granulab.contact.material import Measured
 from granulab.errors import InputError
 
 _READ = 0.5  # px: sigma of a point that is read off a picture
 NAMES = ("kn", "kt", "kt_over_kn", "kn_rotation_left_in", "kt_rotation_left_in")
+_UNLOADING = Branch(0.9, 0.1, 0.3)
 _SHOWN = 4.0  # sigma by which a displacement must be seen: its reciprocal is the stiffness
 
 
@@ -35,7 +37,7 @@ def measure_triaxial(
     load_line: float | None = None,
     fps: float | None = None,
     offset: float = 0.0,
-    branch: Branch | None = None,
+    branch: Branch = _UNLOADING,
     progress: Progress | None = None,
 ) -> Triaxial:
     """Normal and tangential stiffness of an inclined contact between two blocks (sec. 3.2).
@@ -65,7 +67,7 @@ def measure_triaxial(
     setting = Setting(line, angle, scale, load_line)
     force = load_at(load, dots.frame, _times(dots, opened.rate, fps, film), offset)
     seen = np.stack([moved.x, moved.y, moved.rotation, moved.mean_x, moved.mean_y])
-    fitted = slopes(force, seen, branch or Branch(), str(film))
+    fitted = slopes(force, seen, branch, str(film))
     values = _stiffness(fitted, setting)
     _refuse_unknown(values, str(film))
     found = Triaxial(dots, moved, force, setting, fitted, values)

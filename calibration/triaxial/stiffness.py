@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from calibration.bench.compression import Branch
 from calibration.bench.cycles import unloadings
 from calibration.statistics.robust import for_correlation
 from calibration.statistics.uncertainty import student
@@ -18,15 +19,6 @@ from calibration.tracking.track import Array, Rows
 from granulab.errors import InputError
 
 _FEWEST = 4  # frames of a branch: two give its line
-
-
-@dataclass(frozen=True)
-class Branch:
-    """Part of the unloading that counts: shares of a branch's fall, and of the load's range."""
-
-    upper: float = 0.9
-    lower: float = 0.1
-    least: float = 0.3
 
 
 @dataclass(frozen=True)

@@ -57,15 +57,14 @@ def command(
     For example: calibrate triaxial blocks.mp4 --load load.csv --contact 34,97,206,143 --scale
     "0.08 mm/px" --load-line 126 --out figures
     """
-    from calibration.bench.compression import Branch as Checked
+    from calibration.bench.compression import Branch
     from calibration.statistics.quantity import measured_quantity
     from calibration.triaxial.measure import measure_triaxial
-    from calibration.triaxial.stiffness import Branch
     from granulab.campaign.output.terminal import Progress
     from granulab.contact.files.units import to_si
 
     upper, lower = _numbers("--range", shares, 2)
-    Checked(upper, lower, least_cycle)  # refuses what are no shares
+    branch = Branch(upper, lower, least_cycle)
     angle = None if inclination is None else measured_quantity(inclination, "rad", "--inclination")
     length = measured_quantity(scale.replace("/px", ""), "m", "--scale")
     if "/px" not in scale or length.value <= 0:
@@ -74,7 +73,7 @@ def command(
     with Progress(Path(film).name, quiet) as progress:
         found = measure_triaxial(
             film, load, contact=_numbers("--contact", contact, 4), scale=length, inclination=angle,
-            load_line=load_line, fps=fps, offset=late, branch=Branch(upper, lower, least_cycle),
+            load_line=load_line, fps=fps, offset=late, branch=branch,
             progress=progress.update,
         )  # fmt: skip
     finish(
