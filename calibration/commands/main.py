@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from granulab.campaign.cli.commandline import run_app
+from granulab.campaign.cli.commandline import command_group, run_app
 from granulab.errors import InputError
 
 # name: module of calibration.commands, imported when it or its help is called
@@ -91,19 +91,13 @@ def _is_of_library(module: str) -> bool:
     return module.partition(".")[0] in _LIBRARIES
 
 
-@click.group(
-    cls=Lazy,
-    invoke_without_command=True,
-    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+app = command_group(
+    [],
+    "Calibration: contact parameters from videos, tables and signals, with their uncertainty.",
+    Lazy,
 )
-@click.version_option(package_name="granulab")
-@click.pass_context
-def app(context: click.Context) -> None:
-    """Calibration: contact parameters from videos, tables and signals, with their uncertainty."""
-    if context.invoked_subcommand is None:
-        click.echo(context.get_help())
 
 
 def main() -> None:
     """Run the command; one line on stderr and an exit code for whatever goes wrong."""
-    run_app(app, "calibrate", InputError)
+    run_app(app, "calibrate")

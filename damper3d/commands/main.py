@@ -86,6 +86,4 @@ app = command_group(
 
 def main() -> None:
     """Run the command; one line on stderr and an exit code for whatever goes wrong."""
-    from granulab.errors import InputError
-
-    run_app(app, "damper3d", InputError)
+    run_app(app, "damper3d")

@@ -73,6 +73,4 @@ def listing(root: Path) -> str:
 
 def main() -> None:
     """Run the command; one line on stderr and an exit code for whatever goes wrong."""
-    from granulab.errors import InputError
-
-    run_app(app, "granulab", InputError)
+    run_app(app, "granulab")

@@ -74,6 +74,4 @@ app = command_group(
 
 def main() -> None:
     """Run the command; one line on stderr and an exit code for whatever goes wrong."""
-    from granulab.errors import InputError
-
-    run_app(app, "silo2d", InputError)
+    run_app(app, "silo2d")

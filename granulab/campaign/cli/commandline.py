@@ -48,11 +48,13 @@ class Ended(Exception):
         self.code = code
 
 
-def command_group(commands: Sequence[click.Command], purpose: str) -> click.Group:
-    """The group of a package's commands; purpose: the text of its --help."""
+def command_group(
+    commands: Sequence[click.Command], purpose: str, cls: type[click.Group] = click.Group
+) -> click.Group:
+    """The group of a package's commands, of a class; purpose: the text of its --help."""
     context = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
-    @click.group(help=purpose, invoke_without_command=True, context_settings=context)
+    @click.group(cls=cls, help=purpose, invoke_without_command=True, context_settings=context)
     @click.version_option(package_name="granulab")
     @click.pass_context
     def app(context: click.Context) -> None:
@@ -94,12 +96,11 @@ _INTERRUPTED = "interrupted; the same command goes on from the last checkpoint"
 _UNTIL_COLLECTION = 50_000
 
 
-def run_app(app: click.Group, name: str, bad_input: type[Exception]) -> None:
+def run_app(app: click.Group, name: str) -> None:
     """Run a command; one line on stderr and an exit code for whatever goes wrong.
 
-    bad_input: raised by the simulator where it is given something that it cannot use. An exception
-    that nobody foresaw (also a numerical library's) ends with the code 3, and its traceback is
-    kept in a file.
+    An exception that nobody foresaw (also a numerical library's) ends with the code 3, and its
+    traceback is kept in a file.
     """
     from granulab.campaign.output.terminal import StopRequest, pass_on_interrupt
     from granulab.campaign.sweeps.study import StudyError
@@ -124,7 +125,7 @@ def run_app(app: click.Group, name: str, bad_input: type[Exception]) -> None:
         sys.stdout.flush()
     except click.ClickException as error:
         fail(error.format_message().replace("\n", " "), 2)
-    except (bad_input, InputError, FolderError, EngineError, StudyError) as error:
+    except (InputError, FolderError, EngineError, StudyError) as error:
         fail(str(error), 2)
     except Ended as error:
         fail(str(error), error.code)
@@ -154,7 +155,8 @@ def run_app(app: click.Group, name: str, bad_input: type[Exception]) -> None:
 
 def _unforeseen(app: click.Group, name: str, error: Exception) -> str:
     """One line for an exception that nobody foresaw: kind, reason, position, kept traceback."""
-    own = {_package(command.callback) for command in (app, *app.commands.values())} | {"granulab"}
+    ours = (type(app), *(command.callback for command in app.commands.values()))
+    own = {_package(one) for one in ours} - {"click"} | {"granulab"}
     frames = [
         (frame.f_globals.get("__name__", frame.f_code.co_filename), line, frame.f_code.co_name)
         for frame, line in traceback.walk_tb(error.__traceback__)
@@ -169,9 +171,9 @@ def _unforeseen(app: click.Group, name: str, error: Exception) -> str:
     )
 
 
-def _package(function: Any) -> str:
-    """The top-level package that a function is of."""
-    return getattr(function, "__module__", "").partition(".")[0]
+def _package(one: Any) -> str:
+    """The top-level package that a function or class is of."""
+    return getattr(one, "__module__", "").partition(".")[0]
 
 
 def _kept_traceback(name: str, error: Exception) -> str:
