@@ -10,7 +10,16 @@ from damper3d.shapes.errors import Errors
 from damper3d.shapes.multisphere import MultiSphere
 from damper3d.shapes.surfaces.grooves import groove_depth, speed_to_groove
 from damper3d.view.spheres import Window, draw_spheres
-from granulab.campaign.output.figure import BLUE, GREEN, GREY, PURPLE, SKY, VERMILION, headline
+from granulab.campaign.output.figure import (
+    BLUE,
+    GREEN,
+    GREY,
+    PURPLE,
+    SKY,
+    VERMILION,
+    headline,
+    round_length,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -187,8 +196,7 @@ def lit_triangles(particle: MultiSphere) -> tuple[np.ndarray, np.ndarray]:
 
 def _scale_bar(axes: "Axes", half: float) -> None:
     """A length of one, two or five times a power of ten, below the particle."""
-    power = 10.0 ** np.floor(np.log10(half))
-    length = max(step * power for step in (0.5, 1.0, 2.0, 5.0) if step * power <= half)
+    length = round_length(half)
     axes.plot([-half, length - half], [-0.97 * half] * 2, color=GREY, lw=3)
     axes.text(-half, -0.93 * half, f"{1e3 * length:g} mm", color=GREY, ha="left", va="bottom")
 

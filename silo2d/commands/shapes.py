@@ -46,12 +46,13 @@ def import_(
     """
     from granulab.campaign.cli.library import write_new
     from granulab.campaign.output.figure import write_figure
-    from silo2d.drawings.shapes import draw, import_shapes
+    from silo2d.drawings.shapes import draw, import_shapes, positive_length
 
     found = import_shapes(
-        file, spheroradius=_length(spheroradius, "--spheroradius"),
-        tolerance=_length(tolerance, "--tolerance"), unit=unit, layer=layer,
-        scale=_length(scale, "--scale"), bar_length=_length(bar, "--bar"), bar=_ends(bar_at),
+        file, spheroradius=positive_length(spheroradius, "--spheroradius"),
+        tolerance=positive_length(tolerance, "--tolerance"), unit=unit, layer=layer,
+        scale=positive_length(scale, "--scale"), bar_length=positive_length(bar, "--bar"),
+        bar=_ends(bar_at),
     )  # fmt: skip
     target = Path(output or f"{Path(file).stem}.toml")
     write_new(target, found.text())
@@ -78,18 +79,6 @@ def _as_json(found: Any, target: Path, picture: Path | None) -> dict[str, Any]:
         ],
         "picture": picture and str(picture),
     }  # fmt: skip
-
-
-def _length(text: str | None, option: str) -> float | None:
-    """A length above 0 [m]."""
-    from granulab.contact.files.units import to_si
-
-    if text is None:
-        return None
-    length = to_si(text, "m", option)
-    if not length > 0:
-        raise InputError(f"{option} = {text!r}: must be above 0, such as '0.5 mm'")
-    return length
 
 
 def _ends(text: str | None) -> tuple[float, float, float, float] | None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from granulab.contact.files.units import to_si
 from granulab.errors import InputError
 from silo2d.case.shape import Points
 from silo2d.drawings.curves import joined, read_drawing
@@ -50,6 +51,16 @@ class Imported:
             "rounded\nshape and the outline it was made from, and the difference of their areas."
         )
         return shape_file(self.shapes, self.spheroradius, origin)
+
+
+def positive_length(text: str | None, name: str) -> float | None:
+    """A length above 0 [m], of an option or a field by its name; None where there is none."""
+    if text is None:
+        return None
+    metres = to_si(text, "m", name)
+    if not metres > 0:
+        raise InputError(f"{name} = {text!r}: must be above 0, such as '0.5 mm'")
+    return metres
 
 
 def import_shapes(

@@ -1,6 +1,5 @@
 """The page that plays a discharge: particles, contact network, wall forces, discharge curve."""
 
-from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -12,10 +11,12 @@ from granulab.campaign.output.figure import GREEN, VERMILION
 from granulab.campaign.output.page.packing import Quantised, counted, linear
 from granulab.campaign.output.page.player import (
     Colour,
+    Facts,
     Line,
     Recording,
     Touching,
     colours_of,
+    facts,
     player,
 )
 from granulab.campaign.runs.folder import RunFolder
@@ -97,7 +98,7 @@ class _Recorder:
             "particles": scene.n_particles,
             "clock": {"unit": "s", "factor": 1.0, "digits": 3},
             "counted": f"of {scene.n_particles} out",
-            "facts": _facts(scene.summary),
+            "facts": facts(scene.summary, _FACTS),
             "notes": [],
             "pull_words": "Orange pulls.",
             "walls": [
@@ -237,7 +238,7 @@ def _published(summary: dict[str, Any]) -> list[dict[str, Any]]:
     return spans
 
 
-_FACTS: dict[str, tuple[str, Callable[[Any], str]]] = {
+_FACTS: Facts = {
     "n_particles": ("particles", str),
     "n_out": ("out", str),
     "discharge_time_s": ("discharge time", "{:.3f} s".format),
@@ -249,12 +250,3 @@ _FACTS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "seed": ("seed", str),
     "engine": ("engine", str),
 }
-
-
-def _facts(summary: dict[str, Any]) -> list[list[str]]:
-    """Results of the run in words."""
-    return [
-        [label, words(summary[key])]
-        for key, (label, words) in _FACTS.items()
-        if summary.get(key) is not None
-    ]

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from calibration.drop.result import Drop
 from calibration.tracking.film.reader import Film, Frame, Progress
 from calibration.tracking.track import Array
-from granulab.campaign.output.figure import BLUE, INK, ORANGE, PAPER, VERMILION
+from granulab.campaign.output.figure import BLUE, INK, ORANGE, PAPER, VERMILION, round_length
 from granulab.campaign.output.film import Image, font, pace, rgb, write_film, write_words
 
 _UNITS = ((1.0, "m"), (1e-2, "cm"), (1e-3, "mm"), (1e-6, "µm"))
@@ -29,8 +29,7 @@ _PANEL, _MARGIN, _LINE = 250, 14, 22  # px
 
 def scale_bar(longest: float) -> tuple[float, str]:
     """The longest of 1, 2, 5 x 10^n [m] that is not above `longest` [m], and its words."""
-    power = 10.0 ** math.floor(math.log10(longest))
-    length = power * max(k for k in (1, 2, 5) if k * power <= longest)
+    length = round_length(longest)
     size, unit = next((one for one in _UNITS if length >= 0.999 * one[0]), _UNITS[-1])
     return length, f"{length / size:.3g} {unit}"
 

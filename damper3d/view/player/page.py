@@ -1,6 +1,5 @@
 """The page that plays a damper's run: particles in their enclosure, forces, velocities."""
 
-from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -18,9 +17,11 @@ from granulab.campaign.output.figure import BLUE, VERMILION
 from granulab.campaign.output.page.packing import Quantised, counted, linear
 from granulab.campaign.output.page.player import (
     Colour,
+    Facts,
     Line,
     Recording,
     colours_of,
+    facts,
     player,
 )
 from granulab.campaign.runs.folder import RunFolder
@@ -121,7 +122,7 @@ class _Recorder:
             "clock": {"unit": "s", "factor": 1.0, "digits": 3} if in_seconds
                      else {"unit": "ms", "factor": 1e3, "digits": 2},
             "period": None if scene.settings.excitation.kind else scene.period,
-            "facts": _facts(scene.summary),
+            "facts": facts(scene.summary, _FACTS),
             "pull_words": "" if scene.of_many_spheres else "Orange pulls.",
             "walls": [
                 {"name": name, "middle": np.round(np.mean(middles[name], axis=0), 6).tolist()}
@@ -256,7 +257,7 @@ def _mechanism(name: str) -> str:
     return f"{how.replace('_', ' ')}, {'walls' if between == 'wall' else 'particles'}"
 
 
-_FACTS: dict[str, tuple[str, Callable[[Any], str]]] = {
+_FACTS: Facts = {
     "n_particles": ("particles", str),
     "particles": ("shape", str),
     "fill_ratio": ("fill ratio", "{:.3f}".format),
@@ -269,12 +270,3 @@ _FACTS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "energy_closure": ("energy unaccounted", lambda part: f"{100 * part:.2g} % of the dissipated"),
     "seed": ("seed", str),
 }
-
-
-def _facts(summary: dict[str, Any]) -> list[list[str]]:
-    """Results of the run in words."""
-    return [
-        [label, words(summary[key])]
-        for key, (label, words) in _FACTS.items()
-        if summary.get(key) is not None
-    ]

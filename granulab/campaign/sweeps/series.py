@@ -1,10 +1,11 @@
 """The values that a key takes in a study: listed, in a range, or drawn from a distribution."""
 
-import difflib
 import hashlib
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
+
+from granulab.contact.files.units import nearest
 
 _RANGE = ("start", "stop", "step", "number", "log")
 _DRAWN = {
@@ -171,10 +172,3 @@ def _check_names(
     missing = next((name for name in needed if name not in table), None)
     if missing is not None:
         raise SeriesError(f"{where}: {missing} is missing; known: {', '.join(known)}")
-
-
-def nearest(name: str, known: Sequence[str]) -> str:
-    """The end of an error line about an unknown name: the nearest known one, and all of them."""
-    close = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-    hint = f"did you mean {close[0]!r}? " if close else ""
-    return f"{hint}known: {', '.join(known)}"

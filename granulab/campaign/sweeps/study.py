@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from granulab.campaign.sweeps.series import SeriesError, nearest, series
+from granulab.campaign.sweeps.series import SeriesError, series
 from granulab.contact.files.datafile import toml_text
+from granulab.contact.files.units import nearest
 from granulab.errors import InputError
 
 SCHEMA = 1

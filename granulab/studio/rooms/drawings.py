@@ -9,13 +9,12 @@ import numpy as np
 
 from granulab.contact.files.casefile import toml_value
 from granulab.contact.files.datafile import data_names, find
-from granulab.contact.files.units import to_si
 from granulab.errors import InputError
 from granulab.studio.folder import Folder
 from granulab.studio.rooms.silo import outlines_of
 from silo2d.case.shapefile import load_shapes
 from silo2d.drawings.outline import silo_outline
-from silo2d.drawings.shapes import import_shapes
+from silo2d.drawings.shapes import import_shapes, positive_length
 
 Ends = tuple[float, float, float, float]
 
@@ -103,12 +102,7 @@ def materials(folder: Folder, name: str) -> dict[str, Any]:
 
 
 def _length(text: str, name: str) -> float | None:
-    if not text.strip():
-        return None
-    length = to_si(text, "m", name)
-    if not length > 0:
-        raise InputError(f"{name} = {text!r}: must be above 0, such as '0.5 mm'")
-    return length
+    return positive_length(text if text.strip() else None, name)
 
 
 def _written(folder: Folder, name: str, text: str, replace: bool) -> dict[str, Any]:

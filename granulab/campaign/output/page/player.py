@@ -25,6 +25,7 @@ from granulab.campaign.output.room import in_words
 from granulab.errors import InputError
 
 Floats = NDArray[np.float64]
+Facts = Mapping[str, tuple[str, Callable[[Any], str]]]  # by key: its label, and its value in words
 
 SCRIPTS = ("data.js", "scale.js", "contacts.js", "theme.js", "legend.js", "marks.js", "plane.js",
            "shaders.js", "space.js", "curves.js", "picture.js", "controls.js",
@@ -248,6 +249,15 @@ def _ordinal(k: int) -> str:
     """Ordinal of a number from 2 on, such as "2nd"."""
     last = 0 if 10 < k % 100 < 14 else k % 10
     return f"{k}{ {1: 'st', 2: 'nd', 3: 'rd'}.get(last, 'th') }"
+
+
+def facts(summary: Mapping[str, Any], of: Facts) -> list[list[str]]:
+    """Results of a run in words; those that it has not are left out."""
+    return [
+        [label, words(summary[key])]
+        for key, (label, words) in of.items()
+        if summary.get(key) is not None
+    ]
 
 
 def colours_of(name: str, number: int = 17) -> list[str]:
