@@ -18,7 +18,6 @@ class Cycle:
     """
 
     peak_load: float  # [N]
-    peak_displacement: float  # [m]
     stiffness: Estimate  # [N/m]
     bend: float | None
     points: int
@@ -78,8 +77,8 @@ def unloading_stiffness(
     for first, last in unloadings(load, least):
         branch = slice(first, last + 1)
         x, force = _in_range(displacement[branch], load[branch], upper, lower)
-        peak = float(load[first]), float(displacement[first])
-        found.append(Cycle(*peak, line(x, force), _bend(x, force), len(x), (x, force)))
+        peak = float(load[first])
+        found.append(Cycle(peak, line(x, force), _bend(x, force), len(x), (x, force)))
     if not found:
         raise InputError(
             f"no unloading: the load never falls by {least:.0%} of its range; see --least-cycle"

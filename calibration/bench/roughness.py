@@ -20,7 +20,6 @@ from calibration.statistics.uncertainty import Estimate, of_trials
 from granulab.errors import InputError
 
 INPUTS = (Input("x", "m", "along the path"), Input("z", "m", "height of the surface"))
-FORMS = ("mean", "line", "parabola", "circle")
 _LENGTHS = 5  # equal parts of a path, ISO 4288
 _LEAST_POINTS = 50
 _FAR = 10  # usual steps that a point may be from the one before without a remark

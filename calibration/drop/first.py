@@ -264,20 +264,17 @@ class _Fit(NamedTuple):
     parameters: Array
     covariance: Array
     freedom: float
-    outliers: int
 
 
 def _fitted(seen: _Seen, start: Array) -> _Fit:
     """Least squares with correlated noise; bad positions are left out once."""
-    kept = np.ones(len(seen.time), dtype=bool)
-    fit = _least_squares(seen, start, kept)
+    fit = _least_squares(seen, start, np.ones(len(seen.time), dtype=bool))
     off = np.abs(fit[1]) > _OUTLIER
     left = np.bincount(seen.after[~off].astype(int), minlength=2)
     if off.any() and left.min() >= _FEWEST:
-        kept = ~off
-        fit = _least_squares(seen, start, kept)
+        fit = _least_squares(seen, start, ~off)
     parameters, _, covariance, freedom = fit
-    return _Fit(parameters, covariance, freedom, int((~kept).sum()))
+    return _Fit(parameters, covariance, freedom)
 
 
 def _least_squares(

@@ -32,14 +32,14 @@ def measured_quantity(text: str, unit: str, field: str) -> Measured:
     return Measured(value, abs(value) * sigma if relative else sigma)
 
 
-def metres_per_pixel(text: str, field: str = "--scale") -> float:
+def metres_per_pixel(text: str) -> float:
     """The scale of a picture, "0.81 mm/px", in metres per pixel; InputError for anything else."""
     length, slash, per = text.partition("/")
     if not slash or per.strip() not in ("px", "pixel"):
-        raise InputError(f"{field} = {text!r}: a length per pixel, such as '0.81 mm/px'")
-    scale = to_si(length.strip(), "m", field)
+        raise InputError(f"--scale = {text!r}: a length per pixel, such as '0.81 mm/px'")
+    scale = to_si(length.strip(), "m", "--scale")
     if not 0 < scale < math.inf:
-        raise InputError(f"{field} = {text!r}: must be positive, such as '0.81 mm/px'")
+        raise InputError(f"--scale = {text!r}: must be positive, such as '0.81 mm/px'")
     return scale
 
 

@@ -321,13 +321,6 @@ def _cycles(result: Result) -> str:
     return f"{' '.join([*left_out, '|', *counted])} (counted from the bar on){_steady(result)}"
 
 
-def _packing(packing: dict[str, float]) -> str:
-    return (
-        f"packing fraction {packing['fraction']:.3f}, {packing['coordination']:.1f} contacts a "
-        f"particle, {packing['height_m']:.4g} m high, {packing['rms_speed_m_s']:.2g} m/s left"
-    )
-
-
 def _steady(result: Result) -> str:
     """Words on whether the counted cycles are steady; none where nobody asked or could say."""
     if result.steady is None:

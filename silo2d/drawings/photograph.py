@@ -9,6 +9,7 @@ import numpy as np
 
 from granulab.errors import InputError
 from silo2d.case.shape import Points
+from silo2d.drawings.curves import signed_area
 
 ENDINGS = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp")
 _MOST_BYTES, _MOST_PIXELS = 2**26, 10**8  # pixels of the interpolated picture too
@@ -143,7 +144,7 @@ def _longest_bar(contours: list[Points]) -> Bar | None:
         length, across = max(width, height), min(width, height)
         if across <= 0 or length < _SLENDER * across:
             continue
-        if _area(contour) < _FULL * width * height or (best and best[0] >= length):
+        if abs(signed_area(contour)) < _FULL * width * height or (best and best[0] >= length):
             continue
         along = math.radians(angle if width >= height else angle + 90)
         dx, dy = length / 2 * math.cos(along), length / 2 * math.sin(along)
@@ -156,11 +157,6 @@ def _rectangle(contour: Points) -> Any:
     import cv2
 
     return cv2.minAreaRect(contour.astype(np.float32))
-
-
-def _area(contour: Points) -> float:
-    x, y = contour.T
-    return 0.5 * abs(float(x @ np.roll(y, -1) - np.roll(x, -1) @ y))
 
 
 def _particles(
@@ -180,7 +176,7 @@ def _particles(
         c for c in contours
         if c.min() > 1 and c[:, 0].max() < width - 1 and c[:, 1].max() < height - 1
     ]  # fmt: skip
-    areas = [_area(c) for c in inside]
+    areas = [abs(signed_area(c)) for c in inside]
     least = _SPECK * float(np.median(areas)) if areas else 0.0
     whole = [c for c, area in zip(inside, areas, strict=True) if area >= least]
     whole.sort(key=lambda c: (round(c[:, 1].mean() / height * 20), c[:, 0].mean()))

@@ -107,16 +107,14 @@ def quantile(freedom: float, confidence: float = CONFIDENCE) -> float:
     return float(t.ppf(0.5 + confidence / 2, freedom))
 
 
-def half_width_of_mean(sample: Sample, confidence: float = CONFIDENCE) -> float | None:
+def half_width_of_mean(sample: Sample) -> float | None:
     """Half width of Student's interval of a mean, t sd/sqrt(n); None for fewer than two values."""
     if sample.sd is None:
         return None
-    return quantile(sample.n - 1, confidence) * sample.sd / math.sqrt(sample.n)
+    return quantile(sample.n - 1) * sample.sd / math.sqrt(sample.n)
 
 
-def noise_of_difference(
-    first: Sample, second: Sample, confidence: float = CONFIDENCE
-) -> float | None:
+def noise_of_difference(first: Sample, second: Sample) -> float | None:
     """Half width of the confidence interval of the difference of two means; Welch (1947).
 
     t sqrt(s1^2/n1 + s2^2/n2), with the degrees of freedom of Welch and Satterthwaite. None where
@@ -125,7 +123,7 @@ def noise_of_difference(
     if first.sd is None or second.sd is None:
         return None
     errors = [first.sd**2 / first.n, second.sd**2 / second.n]
-    return welch_half_width(errors, [first.n - 1, second.n - 1], confidence)
+    return welch_half_width(errors, [first.n - 1, second.n - 1])
 
 
 def welch_half_width(

@@ -38,11 +38,6 @@ class Study:
     text: str  # of the file
     drawn: frozenset[str] = frozenset()  # keys whose values come from a distribution
 
-    @property
-    def n_runs(self) -> int:
-        """Return how many runs it stands for."""
-        return len(self.cases) * len(self.combinations) * len(self.seeds)
-
 
 def read_study(path: str | Path, read: Reader) -> Study:
     """The study of a TOML file; StudyError, or what the reader raises, where it cannot be used."""

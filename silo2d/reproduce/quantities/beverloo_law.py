@@ -66,7 +66,6 @@ def fit_law(
     size: float,
     error: ArrayLike,
     draws: int = DRAWS,
-    seed: int = 1,
 ) -> Fit | None:
     """Fit C and k to runs (n,): outlets [m], rates [kg/s] with standard errors, bulk densities.
 
@@ -85,7 +84,7 @@ def fit_law(
     off = rows[1] / fitted - 1
     scatter = np.sqrt((off**2).sum() / (len(off) - 2))
     spread = np.maximum(rows[3], scatter * fitted)
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(1)
     found = np.array([
         _least_squares(np.array([rows[0], rng.normal(fitted, spread), *rows[2:]]), size)
         for _ in range(draws)

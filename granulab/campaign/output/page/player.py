@@ -98,11 +98,11 @@ class Recording:
         self.colours.append(colour)
 
     def add_scale(self, label: str, unit: str, values: Floats, colours: Sequence[str], *,
-                  name: str, per: str = "frame") -> None:  # fmt: skip
+                  name: str) -> None:  # fmt: skip
         """Add a quantity from 0 to the most that all but a few particles have; in thousandths."""
         high = (float(np.percentile(values, _HIGHEST)) if values.size else 0.0) or 1.0
         self.arrays[name] = linear(values, high / LEVELS)
-        self.add_colour(Colour(label, unit, per, name, colours, 0.0, high))
+        self.add_colour(Colour(label, unit, "frame", name, colours, 0.0, high))
 
     def add_decades(self, label: str, unit: str, values: Floats, colours: Sequence[str], *,
                     name: str, per: str) -> None:  # fmt: skip

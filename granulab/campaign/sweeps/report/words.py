@@ -52,12 +52,12 @@ def order_in_words(quantities: Quantities) -> str:
     return ", then ".join(parts)
 
 
-def ranking_as_text(comparison: Comparison, most: int = MOST_ROWS) -> str:
+def ranking_as_text(comparison: Comparison) -> str:
     """The best combinations, a line each, no wider than the terminal."""
     ranking = comparison.ranking
     if not ranking or not comparison.quantities.order:
         return ""
-    shown = ranking[:most]
+    shown = ranking[:MOST_ROWS]
     columns, measured = comparison.columns, comparison.shown
     header = [
         "rank",
@@ -81,12 +81,12 @@ def ranking_as_text(comparison: Comparison, most: int = MOST_ROWS) -> str:
     return paragraphs(
         wrapped(f"{comparison.name}: ranked by {order_in_words(comparison.quantities)}", 2),
         table,
-        "\n".join(wrapped(line, 3) for line in [*_more(ranking, most), *notes_on(comparison)]),
+        "\n".join(wrapped(line, 3) for line in [*_more(ranking), *notes_on(comparison)]),
     )
 
 
-def _more(ranking: Sequence[Ranked], most: int) -> list[str]:
-    left = len(ranking) - most
+def _more(ranking: Sequence[Ranked]) -> list[str]:
+    left = len(ranking) - MOST_ROWS
     return [f"... and {left} more, in the table and the page"] if left > 0 else []
 
 
