@@ -156,31 +156,6 @@ def closure(samples: Samples) -> tuple[float | None, float | None]:
     return (float(lost(samples)[-1]) + gain - whole) / whole, gain / whole
 
 
-def within_cycle(samples: Samples, per_cycle: int) -> dict[str, np.ndarray]:
-    """Histories of a mean cycle (Figs 6.7, 6.10, 6.16, 6.18): rows 0 ... per_cycle.
-
-    phase             of the cycle, 0 to 1
-    lost, dissipated, and each mechanism and class: energy since the cycle began, mean over the
-    cycles [J]; velocity, mean_velocity, mean_position, wall_force: means over the cycles
-    """
-    names = [f"{name}_{pair}" for pair in CLASSES for name in MECHANISMS]
-    summed = {"lost": lost(samples), "dissipated": dissipated(samples)}
-    summed |= {name: samples[name] for name in ("wall_work", *names)}
-    now = ("velocity", "mean_velocity", "mean_position", "wall_force")
-    cycle = {name: _mean_cycle(column, per_cycle) for name, column in summed.items()}
-    return {
-        "phase": np.linspace(0.0, 1.0, per_cycle + 1),
-        **{name: column - column[0] for name, column in cycle.items()},
-        **{name: _mean_cycle(samples[name], per_cycle) for name in now},
-    }
-
-
-def _mean_cycle(column: np.ndarray, per_cycle: int) -> np.ndarray:
-    """Mean over the cycles of each row of a cycle, first and last included."""
-    rest = column[1:].reshape(-1, per_cycle, *column.shape[1:]).mean(axis=0)
-    return np.concatenate([column[:-1:per_cycle].mean(axis=0)[None], rest])
-
-
 def impact_ratios(
     samples: Samples, yield_velocity: Mapping[str, float | None]
 ) -> dict[str, float | None]:

@@ -1,6 +1,7 @@
 """The silo: a polygon open at the top, with an outlet in its floor; the sixteen presets."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -85,10 +86,37 @@ class Outline:
         )
 
     @property
-    def centre_lines(self) -> list[float]:
-        """x [m] of the middles of the outlets in the floor, the main one first."""
+    def blocking_lines(self) -> list[tuple[float, float, float]]:
+        """Vertical lines x, from and to a height [m], of which what blocks an outlet crosses one.
+
+        They are the middle of each outlet in the floor up to the inserts over it and, next to such
+        an insert, the middle of the passage where it is widest, from its foot on: a bridge between
+        insert and wall stands there, and a heap on the insert or on the floor does not.
+        """
         level = [ends for ends in self.outlets if (ends[:, 1] == 0.0).all()]
-        return [self.outlet_centre, *(float(ends[:, 0].mean()) for ends in level)]
+        lines = []
+        for x in (self.outlet_centre, *(float(ends[:, 0].mean()) for ends in level)):
+            over = [one for one in self.inserts if one[:, 0].min() < x < one[:, 0].max()]
+            feet = [float(one[:, 1].min()) for one in over]
+            lines.append((x, -math.inf, min(feet, default=math.inf)))
+            lines += [
+                (middle, foot, math.inf)
+                for one, foot in zip(over, feet, strict=True)
+                for middle in self._passages(one)
+            ]
+        return lines
+
+    def _passages(self, insert: Points) -> Iterator[float]:
+        """Middle [m] of the space to the left and to the right of an insert, at its ends."""
+        from shapely import LineString
+
+        for x, y in (insert[insert[:, 0].argmin()], insert[insert[:, 0].argmax()]):
+            way = -1.0 if x < insert[:, 0].mean() else 1.0
+            free = self.inside.intersection(LineString([(x, y), (x + way * self.width, y)]))
+            ends = [one.bounds for one in getattr(free, "geoms", [free]) if not one.is_empty]
+            near = min(ends, key=lambda one: min(abs(one[0] - x), abs(one[2] - x)), default=None)
+            if near is not None:
+                yield (near[0] + near[2]) / 2
 
     def area_below(self, level: float) -> float:
         """Area [m2] of the inside under y = level [m]."""

@@ -116,7 +116,7 @@ def _curves(entities: Iterator[Entity], where: str) -> tuple[list[Curve], Counte
         pieces, closed = found
         if not all(np.isfinite(piece).all() for piece in pieces):
             raise InputError(f"{where}: a {entity.kind} is not finite; export the drawing again")
-        # Drawn on the back of the plane, x is mirrored; lines alone are not in that plane's own axes.
+        # Drawn on the back of the plane x is mirrored, but of lines, which are in the world's axes.
         if entity.kind != "LINE" and entity.number(230, 1.0) < 0:
             pieces = [piece * [-1.0, 1.0] for piece in pieces]
         if pieces and (one := curve(pieces, closed, (entity.layer,))) is not None:

@@ -122,14 +122,14 @@ def last_clogged_moment(folder: Path) -> Moment:
     return moment
 
 
-def find_arch(moment: Moment, least_load: float = LEAST_LOAD) -> Arch:
-    """The arch of a moment, see the module; least_load [-] as LEAST_LOAD.
+def find_arch(moment: Moment) -> Arch:
+    """The arch of a moment, see the module.
 
     Raises FolderError where no chain joins the two sides.
     """
     pairs, force = moment.pairs
     weight = GRAVITY * moment.scene.trajectory.static["mass"].mean()
-    bears = force >= least_load * weight
+    bears = force >= LEAST_LOAD * weight
     ends = _walls_as_sides(moment, pairs[bears])
     level = _level(moment.centres[:, 1], ends)
     kept = _reaches_up_to(moment.centres[:, 1], level)[ends].all(axis=1)

@@ -93,16 +93,14 @@ def moving_rate(times: Series, weights: Series, window: float) -> tuple[Series, 
     return middles, (after - before) / window
 
 
-def steady_part(
-    times: Series, mass: Series, window: float | None = None, tolerance: float = TOLERANCE
-) -> Steady | None:
+def steady_part(times: Series, mass: Series, window: float | None = None) -> Steady | None:
     """The part where the flow is steady, for leavers (n,); None where there is no rate."""
     window = window or usual_window(times)
     mean = discharge_measures(times, mass)["mean_rate_per_s"]
     if window is None or mean is None:
         return None
     middles, rate = moving_rate(times, np.ones(len(times)), window)
-    start, end = _longest(np.abs(rate / mean - 1) <= tolerance)
+    start, end = _longest(np.abs(rate / mean - 1) <= TOLERANCE)
     if end - start < 2:
         return None
     return part_between(times, mass, middles[start], middles[end - 1], window)

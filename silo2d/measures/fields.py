@@ -26,8 +26,8 @@ from silo2d.measures.basics.coarse_graining import (
     Grid,
     draw_map,
     grid_round,
+    inside_edges,
     inside_mask,
-    inside_polygon,
     part_inside,
 )
 from silo2d.measures.basics.contacts import flowing
@@ -79,8 +79,9 @@ def field_of(scene: Scene, frames: NDArray[np.int64], width: float | None = None
 
     width of the Gaussian [m]; one typical particle size (root of the mean area) unless given.
     """
-    polygon = inside_polygon(scene)
-    grid = grid_round(polygon.min(axis=0), polygon.max(axis=0), width or scene.particle_size)
+    edges = inside_edges(scene)
+    ends = edges.min(axis=(0, 1)), edges.max(axis=(0, 1))
+    grid = grid_round(*ends, width or scene.particle_size)
     size = scene.areas
     sums = np.zeros((4, len(grid.y), len(grid.x)))
     for frame in frames:
@@ -89,8 +90,8 @@ def field_of(scene: Scene, frames: NDArray[np.int64], width: float | None = None
         mass = scene.trajectory.static["mass"][which, None]
         sums += grid.deposit(position, np.hstack([mass, mass * velocity, size[which, None]]))
     sums /= len(frames)
-    part = part_inside(grid, polygon)
-    solid = np.where(inside_mask(polygon, grid), sums[3] / np.maximum(part, 0.05), np.nan)
+    part = part_inside(grid, edges)
+    solid = np.where(inside_mask(edges, grid), sums[3] / np.maximum(part, 0.05), np.nan)
     return FlowField(grid, sums[0], sums[1:3], solid, frames)
 
 
@@ -201,7 +202,7 @@ def _heights(scene: Scene) -> list[float]:
 
 def _bulk_fraction(scene: Scene, field: FlowField) -> float | None:
     low, *_, high = _heights(scene)
-    part = part_inside(field.grid, inside_polygon(scene))
+    part = part_inside(field.grid, inside_edges(scene))
     level = (field.grid.y >= low) & (field.grid.y <= high)
     bulk = field.solid[(part > 0.99) & level[:, None]]
     return float(bulk.mean()) if len(bulk) else None
@@ -220,7 +221,7 @@ def _profile_numbers(scene: Scene, field: FlowField, height: float) -> dict[str,
 
 def _inside_at(scene: Scene, field: FlowField, height: float) -> NDArray[np.bool_]:
     j = int(np.abs(field.grid.y - height).argmin())
-    return inside_mask(inside_polygon(scene), field.grid)[j]
+    return inside_mask(inside_edges(scene), field.grid)[j]
 
 
 def _listed(values: Floats) -> list[Any]:
@@ -245,7 +246,7 @@ def draw(folder: Path, between: tuple[float, float] | None = None) -> "Figure":
     draw_map(solid, scene, field.grid, fraction, "packing fraction",
              cmap="YlOrBr", vmin=0.4, vmax=0.95)  # fmt: skip
     magnitude = np.hypot(*field.velocity)
-    inside = inside_mask(inside_polygon(scene), field.grid) & (field.solid > _LEAST_DRAWN)
+    inside = inside_mask(inside_edges(scene), field.grid) & (field.solid > _LEAST_DRAWN)
     shown = np.where(fraction > _LEAST_DRAWN, magnitude, np.nan)
     draw_map(speed, scene, field.grid, shown, "speed [m/s]",
              cmap="YlGnBu", vmin=0, vmax=magnitude[inside].max())  # fmt: skip

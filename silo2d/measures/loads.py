@@ -27,7 +27,7 @@ from silo2d.measures.basics.balance import (
     balance_of_samples,
     part_of_wall,
 )
-from silo2d.measures.basics.coarse_graining import Floats, inside_polygon, part_inside
+from silo2d.measures.basics.coarse_graining import Floats, inside_edges, part_inside
 from silo2d.measures.basics.contacts import FEWEST_OUT, read_moments, within
 from silo2d.measures.basics.friction import Angle, effective_friction, shear_rate
 from silo2d.measures.basics.particles import prism_length
@@ -159,8 +159,8 @@ def flow_friction(folder: Path, scene: Scene, between: tuple[float, float] | Non
         return None
     moments = within(read_moments(folder)[1:], between or windows(scene)["flow"])
     field = field_of(scene, flow_frames(scene, between))
-    inside = part_inside(field.grid, inside_polygon(scene)) > _TWO_WIDTHS
-    zones, (left, right, _, _) = dead_zones(scene, field), scene.window
+    inside = part_inside(field.grid, inside_edges(scene)) > _TWO_WIDTHS
+    zones, (left, right) = dead_zones(scene, field), scene.across
     rate = shear_rate(field.velocity, field.grid.x[1] - field.grid.x[0])
     sheared = zones.flowing & inside & (np.nan_to_num(rate) > zones.plug / (right - left))
     stresses = [

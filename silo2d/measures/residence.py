@@ -1,9 +1,10 @@
 """Residence time: when particles leave, by the level and the position that they start at.
 
 Residence time is from the opening to the passing of y = 0, of the particles that leave; those that
-stay are counted. Particles that a refilling brings later are not: they start at no level. Levels are the painted layers, positions are columns about two particles wide. The
-order of leaving against starting height is Spearman's rank correlation: 1 where the lowest leave
-first (first in, first out, if the silo was filled from below), -1 where the highest do.
+stay are counted. Particles that a refilling brings later are not: they start at no level. Levels
+are the painted layers, positions are columns about two particles wide. The order of leaving against
+starting height is Spearman's rank correlation: 1 where the lowest leave first (first in, first out,
+if the silo was filled from below), -1 where the highest do.
 """
 
 from pathlib import Path

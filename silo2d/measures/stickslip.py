@@ -93,13 +93,13 @@ def _touching(
     length = float(np.hypot(*span))
     inwards = np.array([-span[1], span[0]]) / length  # the inside is on the left
     distance = (outlines - wall[0]) @ inwards
+    # Half through a wall is no contact: it lies behind an insert or round a corner.
+    through = distance.min(axis=1) < -0.5 * np.ptp(distance, axis=1)
     before_end = (lower - outlines) @ along
     distance[(before_end < 0) | (before_end > length)] = np.inf
-    # On the other side of an insert or round a corner: no outline is so deep in a wall.
-    distance[distance < -gap] = np.inf
     nearest = distance.argmin(axis=1)
     rows = np.arange(len(outlines))
-    near = distance[rows, nearest] <= gap
+    near = (distance[rows, nearest] <= gap) & ~through
     return near, outlines[rows, nearest][near]
 
 

@@ -32,8 +32,8 @@ from silo2d.measures.basics.coarse_graining import (
     along_branches,
     draw_map,
     grid_round,
+    inside_edges,
     inside_mask,
-    inside_polygon,
 )
 from silo2d.measures.basics.contacts import STATES, Moment, branches, in_words, read_moments, states
 from silo2d.measures.basics.particles import prism_length, with_pascals
@@ -188,7 +188,7 @@ def draw(folder: Path, between: tuple[float, float] | None = None) -> "Figure":
     for axes, (words, field) in zip(grid, panels.items(), strict=True):
         draw_map(axes, scene, field.grid, field.pressure / length, "pressure [Pa]",
                  cmap="YlGnBu", vmin=0, vmax=highest / length)  # fmt: skip
-        inside = inside_mask(inside_polygon(scene), field.grid)
+        inside = inside_mask(inside_edges(scene), field.grid)
         _draw_crosses(axes, field, inside, 2 * highest)
         axes.set_title(words, fontsize=10)
     words = "crosses: principal stresses; colours and lengths on one scale"

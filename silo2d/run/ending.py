@@ -105,18 +105,21 @@ def at_rest(sim: Flow, moving: float, case: SiloCase, clock: Clock) -> bool:
 
 
 def blocked(sim: Flow, case: SiloCase, packing: Packing) -> bool:
-    """True where the outline of a particle that stays crosses the centre line of an outlet.
+    """True where the outline of a particle that stays crosses one of Outline.blocking_lines.
 
     Of outlets in the side there is none.
     """
     poses, kinds = sim.poses()[sim.live], packing.kinds[sim.live]
     return any(
-        crosses_centre_line(poses[:, 0], poses[:, 2], kinds, case.shapes.shapes, centre).any()
-        for centre in case.outline.centre_lines
-    )
+        (
+            crosses_line(poses[:, 0], poses[:, 2], kinds, case.shapes.shapes, x)
+            & (poses[:, 1] >= low) & (poses[:, 1] <= high)
+        ).any()
+        for x, low, high in case.outline.blocking_lines
+    )  # fmt: skip
 
 
-def crosses_centre_line(
+def crosses_line(
     x: ArrayLike, angle: ArrayLike, kind: ArrayLike, shapes: Sequence[Shape], centre: float
 ) -> NDArray[np.bool_]:
     """Mask (n,) of the particles whose outlines meet the vertical line x = centre [m].

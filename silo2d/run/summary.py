@@ -59,13 +59,15 @@ def measured(folder: RunFolder, case: SiloCase, outcome: str) -> dict[str, Any]:
     # Where the flow was cut off, the times of those that left before mean nothing; its rate does.
     cut_off = outcome not in ("empty", "dead_zones")
     clogged = outcome.startswith("clogged")
+    # A bed that is shaken does not come to rest, by which a clog is told from a slow flow.
+    unknown = outcome == "time_limit" and case.settings.flow.vibration_amplitude is not None
     by_mechanism = all(name in frames for name in MECHANISMS)
     return {
         "mass_kg": float(mass.sum()),
         "mass_out_kg": float(mass[~np.isnan(out_time)].sum()),
         "discharge_time_s": None if cut_off else measures["last_out_s"],
         "t90_s": None if cut_off else measures["t90_s"],
-        "clogged": clogged,
+        "clogged": None if unknown else clogged,
         "clogged_after_s": (measures["last_out_s"] or 0.0) if clogged else None,
         "mean_rate_per_s": measures["mean_rate_per_s"],
         "mean_mass_flow_kg_per_s": measures["mean_mass_flow_kg_per_s"],

@@ -80,6 +80,17 @@ class Scene:
         return np.array(ends).reshape(-1, 2, 2)
 
     @cached_property
+    def of_insert(self) -> NDArray[np.bool_]:
+        """Mask (w,) of the walls that are sides of inserts."""
+        return np.array([name.startswith("insert") for name in self.wall_names[: len(self.walls)]])
+
+    @cached_property
+    def across(self) -> tuple[float, float]:
+        """Left and right end of the silo where it is widest [m]."""
+        x = self.walls[..., 0]
+        return float(x.min()), float(x.max())
+
+    @cached_property
     def window(self) -> tuple[float, float, float, float]:
         """Left, right, bottom and top of what is worth showing [m]."""
         left, bottom = self.walls.min(axis=(0, 1))

@@ -74,22 +74,6 @@ def test_nothing_dissipated_has_no_shares_and_no_closure():
     assert efficiency.shares_contact_count(samples)["particle_wall"]["friction"] is None
 
 
-def test_the_history_within_a_cycle_is_the_mean_of_the_cycles():
-    """A staircase of two steps of 2 and 3 J; a velocity whose sign changes from cycle to cycle."""
-    samples = at_rest(n_cycles=4)
-    row = np.arange(len(samples["time"]))
-    steps = 2.0 * ((row + 70) // PER_CYCLE) + 3.0 * ((row + 20) // PER_CYCLE)
-    samples["friction_particle_particle"] = steps
-    samples["mean_velocity"][1:, 2] = np.repeat([1.0, -1.0, 1.0, -1.0], PER_CYCLE)
-    cycle = efficiency.within_cycle(samples, PER_CYCLE)
-    friction = cycle["friction_particle_particle"]
-    assert friction[[0, 29, 30, 79, 80, 100]].tolist() == [0, 0, 2, 2, 5, 5]
-    np.testing.assert_allclose(cycle["dissipated"], friction)
-    np.testing.assert_allclose(cycle["mean_velocity"][1:], 0.0)
-    np.testing.assert_allclose(cycle["velocity"], samples["velocity"][: PER_CYCLE + 1], atol=1e-12)
-    assert cycle["phase"][[0, -1]].tolist() == [0.0, 1.0]
-
-
 def test_cut_takes_whole_cycles_and_refuses_more_than_there_are():
     samples = at_rest()
     last_two = cut(samples, PER_CYCLE, 3)

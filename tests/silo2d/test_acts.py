@@ -7,11 +7,15 @@ import pytest
 from refusals import assert_refuses
 from small_silo import DischargeStop, write_case
 
+from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import read_trajectory
 from granulab.errors import Stopped
 from silo2d.case.case import SiloCase
+from silo2d.measures import residence
+from silo2d.measures.basics.particles import in_silo
 from silo2d.run.protocol import run
 from silo2d.view.report import echo
+from silo2d.view.scene import read_scene
 
 
 def result_of(folder, **changes):
@@ -136,3 +140,50 @@ def test_the_echo_names_what_acts_besides(tmp_path):
     for words in ("CurveLaw: kn 1e+07", "1 inserts, 1 outlets", "plates: mu 0.4", "0.3 s", "5 Hz"):
         assert words in text
     assert "  besides  " not in echo(SiloCase.load("A4"), dry_run=True)
+
+
+DISCS = """
+schema = 1
+
+[[shape]]
+name = "disc"
+form = "disc"
+size = "8 mm"
+"""
+
+
+def of_discs(folder, **changes):
+    folder.mkdir(exist_ok=True)
+    (folder / "discs.toml").write_text(DISCS, encoding="utf-8")
+    return result_of(folder, particles__shapes="discs.toml", **changes)
+
+
+def test_a_gate_closes_among_discs_without_energy_from_nothing(tmp_path):
+    """Their spheroradius is all of them: a tenth of it, left in the gate, was a deep overlap."""
+    result, _ = of_discs(tmp_path, flow__gate_times=["0.05 s", "0.15 s"])
+    assert result.time_step_halvings == 0
+
+
+def test_discs_of_one_size_have_another_bed_for_each_seed(tmp_path):
+    """No angle tells them apart: by their places alone the seeds differ."""
+    times = {of_discs(tmp_path, run__seed=seed)[0].discharge_time_s for seed in (1, 2, 3)}
+    assert len(times) == 3
+
+
+def test_a_shaken_silo_is_not_called_clear(tmp_path):
+    """It has no rest, by which a clog is told: whether it clogged is not known."""
+    still = {"silo__outlet": "12 mm", "run__max_time": "0.4 s"}
+    shaken = {"flow__vibration_amplitude": "0.05 mm", "flow__vibration_frequency": "50 Hz"}
+    assert result_of(tmp_path, **still)[0].clogged is True
+    result, _ = result_of(tmp_path, **still, **shaken)
+    assert (result.outcome, result.clogged) == ("time_limit", None)
+
+
+def test_particles_of_the_store_are_in_no_measure_before_they_are_in_the_silo(tmp_path):
+    """Residence is of those that were there at the opening; none waits in a band or a column."""
+    result, frames = result_of(tmp_path, flow__refill=40)
+    folder, filled = RunFolder(result.run_folder).path, result.n_particles - 40
+    found = residence.measure(folder)
+    assert found["n_out"] + found["n_staying"] == filled
+    assert sum(one["n_out"] for one in found["by_column"]) == found["n_out"]
+    assert not (in_silo(read_scene(folder)) & ~frames["inside"]).any()

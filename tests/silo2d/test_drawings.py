@@ -366,3 +366,23 @@ def test_run_and_init_take_the_silo_of_a_drawing(tmp_path, monkeypatch):
     assert silo2d("init", "low.toml", "--outline", low).code == 0
     assert SiloCase.load("low.toml").settings.fill.level == pytest.approx(0.108)
     assert_refused(silo2d("init", "x.toml", "--outline", low, "--study"), "leave --from")
+
+
+def test_lines_of_a_drawing_of_its_back_are_where_they_are(tmp_path):
+    """DXF reference, code 230: a line is in the world's axes whatever its extrusion, an arc is not.
+
+    Two lines of a square that were drawn on the back still close it.
+    """
+    lines = [dxf_line((0, 0), (4, 0)), dxf_line((4, 0), (4, 4)), dxf_line((4, 4), (0, 4)),
+             dxf_line((0, 4), (0, 0))]  # fmt: skip
+    text = dxf("".join(line + "230\n-1\n" * (k % 2) for k, line in enumerate(lines)))
+    square = only_curve(written(tmp_path, "square.dxf", text))
+    assert square.closed
+    assert abs(area_of(square.points)) == pytest.approx(16.0)
+
+
+@pytest.mark.parametrize("how", ['display="none"', 'style="fill:red; display: none"'])
+def test_what_an_svg_hides_is_not_drawn(tmp_path, how):
+    """A hidden layer of Inkscape has it in its style."""
+    text = svg(svg_path(A4_DOWN) + f'<g {how}><rect x="1" y="1" width="5" height="5"/></g>')
+    assert len(only_curve(written(tmp_path, "hidden.svg", text)).points) >= 4

@@ -16,6 +16,7 @@ from silo2d.case.outline import hopper, outline_from_polygon
 from silo2d.measures import fields
 from silo2d.measures.basics.coarse_graining import (
     Grid,
+    closed,
     grid_round,
     inside_polygon,
     intervals_at,
@@ -40,7 +41,8 @@ def lattice(silo, spacing=SPACING):
     y = np.arange(spacing / 2, silo.height, spacing)
     points = np.array([(a, b) for b in y for a in x])
     inside = [
-        any(left <= a <= right for left, right in intervals_at(silo.polygon, b)) for a, b in points
+        any(left <= a <= right for left, right in intervals_at(closed(silo.polygon), b))
+        for a, b in points
     ]
     return points[inside]
 
@@ -75,7 +77,7 @@ def test_part_inside_at_walls_and_corners():
     rows of an eighth of a width are good to 1e-3 at a floor, and exact next to a wall."""
     box = hopper(0.0, 0.05, 0.2, 0.3).polygon
     xs, ys = np.array([-0.1, -0.1 + WIDTH, 0.0]), np.array([0.0, WIDTH, 0.15])
-    found = part_inside(Grid(xs, ys, WIDTH), box)
+    found = part_inside(Grid(xs, ys, WIDTH), closed(box))
     across, up = [0.5, phi(1.0), 1.0], [0.5, phi(1.0), 1.0]
     np.testing.assert_allclose(found, np.outer(up, across), atol=1e-3)
     np.testing.assert_allclose(found[2], across, atol=1e-9)
@@ -85,7 +87,7 @@ def test_part_inside_at_a_slope_and_above_the_open_top():
     """Half on a hopper's wall; whole at the top, beyond which the silo goes on."""
     rise = 0.07
     xs, ys = np.array([0.03 + rise / 2, 0.0]), np.array([rise / 2, 0.3])
-    found = part_inside(Grid(xs, ys, 5e-3), SILO.polygon)
+    found = part_inside(Grid(xs, ys, 5e-3), closed(SILO.polygon))
     assert found[0, 0] == pytest.approx(0.5, abs=2e-3)
     assert found[1, 1] == pytest.approx(1.0, abs=1e-6)
 
@@ -95,7 +97,7 @@ def test_inside_of_a_silo_that_is_not_convex():
     polygon = [[-10, 0], [10, 0], [40, 30], [40, 50], [-40, 50], [-40, 10], [-25, 30]]
     silo = outline_from_polygon(np.array(polygon) * 1e-3)
     np.testing.assert_allclose(
-        1e3 * intervals_at(silo.polygon, 0.015), [[-40, -36.25], [-17.5, 25]], atol=1e-9
+        1e3 * intervals_at(closed(silo.polygon), 0.015), [[-40, -36.25], [-17.5, 25]], atol=1e-9
     )
 
 

@@ -6,11 +6,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from fake_run import write_fake_run
+from hand_built import scene_of
 from moved_run import falling, write_moved_run
 
 from granulab.campaign.output.figure import write_figure
 from granulab.campaign.runs.trajectory import read_trajectory
+from silo2d.case.beds.openings import with_inserts
 from silo2d.case.outline import hopper
+from silo2d.case.shape import disc
 from silo2d.measures import find, stickslip
 
 SILO = hopper(0.0, 0.15, name="flat")
@@ -129,3 +132,18 @@ def test_stickslip_of_a_run_is_json_and_a_picture(reference, tmp_path):
                  for of in ("_half_threshold", "", "_twice_threshold")]  # fmt: skip
     assert fractions == sorted(fractions)
     assert write_figure(tmp_path / "s.png", lambda: found.draw(reference.path)).stat().st_size
+
+
+def test_a_particle_behind_an_insert_does_not_touch_its_far_side():
+    """Of a plate 4 mm thick the upper side is touched by what lies on it, the lower by nothing."""
+    plate = [[-0.04, 0.2], [0.04, 0.2], [0.04, 0.204], [-0.04, 0.204]]
+    silo = with_inserts(hopper(0.0, 40e-3), [np.array(plate)], 1.0, "silo")
+    scene = scene_of([disc("a", 10e-3)], [0], silo, 0.0, 0.204 + 5e-3)
+    scene.trajectory.frames.update(time=np.ones(1), spin=np.zeros((1, 1)))  # after the opening
+    touched = {
+        name for name, one in stickslip.sliding(scene).items() if np.isfinite(one.speed).any()
+    }
+    top = max(
+        range(len(scene.walls)), key=lambda k: scene.of_insert[k] * scene.walls[k, :, 1].min()
+    )
+    assert touched == {scene.wall_names[top]}

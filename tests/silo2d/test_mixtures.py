@@ -256,3 +256,20 @@ def test_other_corners_leave_the_faces_where_they_are(radius):
         assert changed.spheroradius == r
         if one.name in ("12", "13"):  # between parallel faces
             assert changed.width == pytest.approx(one.width, rel=1e-12)
+
+
+@pytest.mark.parametrize("radius", [0.2e-3, 1e-3])
+def test_the_spheroradius_of_a_sieve_is_that_of_its_mean_mass(radius, tmp_path):
+    """Scaled copies: each as round for its width, and as given at the root of the mean square.
+
+    Twelve classes keep number and mass, so that mean to rounding.
+    """
+    found = shapes(
+        tmp_path,
+        entry(form="hexagon", size_distribution="sieve", sieve=[["6 mm", 0.0], ["12 mm", 1.0]]),
+        head=f'spheroradius = "{1e3 * radius:g} mm"',
+    )
+    width = np.array([shape.width for shape in found.shapes])
+    usual = math.sqrt(float(np.asarray(found.shares) @ width**2))
+    radii = [shape.spheroradius for shape in found.shapes]
+    assert radii == pytest.approx(radius * width / usual, rel=1e-9)

@@ -13,7 +13,7 @@ from granulab.contact.attraction import Attraction
 from granulab.contact.files.datafile import data_file
 from silo2d.case.outline import PRESETS
 from silo2d.case.shapefile import load_shapes
-from silo2d.run.ending import crosses_centre_line
+from silo2d.run.ending import crosses_line
 from silo2d.run.numbers import (
     MECHANISMS,
     discharge_curve,
@@ -133,7 +133,7 @@ def test_centre_line_is_crossed_where_the_swept_core_meets_it(particles):
     kind, x, angle = (np.array(column) for column in columns)
     centre = 0.003
     line = LineString([(centre, -1), (centre, 1)])
-    found = crosses_centre_line(x, angle, kind, SHAPES, centre)
+    found = crosses_line(x, angle, kind, SHAPES, centre)
     assert found.shape == (len(particles),)
     for k, shape in enumerate(SHAPES[i] for i in kind):
         rotated = rotate(Polygon(shape.core), angle[k], origin=(0, 0), use_radians=True)

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from hand_built import scene_of
 from refusals import assert_refuses
 from scenes import HARD_LAW, HARD_STEP, SURFACE_DENSITY, G, launch, mass
 from shapely import Point, Polygon
@@ -17,8 +18,12 @@ from silo2d.case.shape import disc
 from silo2d.engine.simulation import Simulation
 from silo2d.engine.world import build_world
 from silo2d.measures.basics.balance import part_of_wall
+from silo2d.measures.basics.coarse_graining import grid_round, inside_edges
+from silo2d.measures.basics.dead_zones import area_of_silo
+from silo2d.measures.basics.particles import column_edges
 from silo2d.measures.basics.walls import sides
 from silo2d.measures.janssen import vertical_walls
+from silo2d.run.ending import blocked
 from silo2d.view.scene import Scene
 
 WEDGE = [[-40, 180], [40, 180], [0, 250]]
@@ -172,3 +177,40 @@ def test_measures_know_doors_and_inserts_from_walls():
     assert parts[-6:-2] == ["inserts"] * 4
     assert "inserts" not in parts[:-6]
     assert [walls.names[k] for k in vertical_walls(scene)] == ["left wall a", "right wall"]
+
+
+def test_the_inside_has_no_inserts_and_no_room_beside_a_window():
+    """Area below the fill level as of polygons, to the cells of its edge; the width is the silo's
+    own, however far what leaves through a side flies."""
+    case = SiloCase.load("A4", {"silo.inserts": [WEDGE]})
+    scene = scene_of([disc("a", 10e-3)], [0], case.outline, 0.1, 0.3)
+    scene.trajectory.attributes["level"] = 0.475
+    edges = inside_edges(scene)
+    grid = grid_round(edges.min(axis=(0, 1)), edges.max(axis=(0, 1)), 4e-3)
+    around = 2 * (0.3 + 0.475) * grid.width / 2
+    assert area_of_silo(scene, grid) == pytest.approx(case.outline.area_below(0.475), abs=around)
+    one = scene_of([disc("a", 10e-3)], [0], flat(outlets=[SIDE]), -0.3, 0.05)
+    assert one.window[0] < -0.15
+    assert one.across == (-0.15, 0.15)
+    assert column_edges(one)[[0, -1]].tolist() == [-0.15, 0.15]
+
+
+BAR = [[-11, 60], [11, 60], [11, 64], [-11, 64]]
+
+
+@pytest.mark.parametrize(
+    ("inserts", "x", "y", "stays"),
+    [
+        ([], 0.0, 0.30, True),
+        ([], 0.03, 0.05, False),
+        ([BAR], 0.0, 0.07, False),  # a heap on the bar
+        ([BAR], 0.0, 0.03, True),  # below it
+        ([BAR], 0.08, 0.07, True),  # between its end and the wall
+        ([BAR], 0.08, 0.02, False),  # what stays on the floor
+    ],
+)
+def test_what_lies_on_an_insert_blocks_no_outlet(inserts, x, y, stays):
+    case = SiloCase.load("D2", {"silo.inserts": inserts, "particles.shapes": "disc"})
+    sim = SimpleNamespace(poses=lambda: np.array([[x, y, 0.0]]), live=np.array([0]))
+    packing = SimpleNamespace(kinds=np.array([0]))
+    assert blocked(sim, case, packing) == stays

@@ -148,3 +148,19 @@ def test_a_floor_that_vibrates_throws_what_lies_on_it_off_at_one_g():
             sim.run(400)
             apart += len(sim.contacts()["overlap"]) == 0
         assert (apart > 5) == flies
+
+
+def test_a_wall_that_vibrates_meets_what_is_near_it():
+    """A disc as far from it as it comes is hit in time, whatever else moves: no faster than the
+    elastic rebound of a wall at its largest speed, 2 A omega, and by what the wall gave.
+
+    The list of bodies once had the disc's own skin alone, and the wall came upon it unseen.
+    """
+    amplitude, frequency = 2e-3, 20.0
+    sim = simulation_of(
+        [disc("a", 2 * R)], [(0.0, LEVEL + R + 1.6e-3, 0.0)], walls=[wall()], time_step=STEP,
+    )  # fmt: skip
+    sim.vibrate((0.0, amplitude), frequency)
+    sim.run(int(0.5 / frequency / STEP))
+    speed = velocity(sim)[1]
+    assert 0 < speed <= 2 * 2 * math.pi * frequency * amplitude

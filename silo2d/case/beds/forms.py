@@ -20,6 +20,7 @@ FORMS = ("disc", *REGULAR, "polygon", "rectangle")
 DISTRIBUTIONS = ("normal", "lognormal", "sieve")
 # Classes of equal mass that stand for a distribution, and quantiles that each is made from.
 CLASSES, _QUANTILES = 12, 24_000
+_PARTS = (np.arange(_QUANTILES) + 0.5) / _QUANTILES
 _MOST_CORNERS = 32
 
 
@@ -67,8 +68,13 @@ def _distributed(
         if _form(entry, where) != "rectangle":  # whose size says how long it is for its width
             if "size" in entry:
                 raise InputError(f"{where} size: the sieve gives the sizes; leave it out")
-            # Of a size that its spheroradius goes with.
-            entry = {**entry, "size": f"{20 * (spheroradius or 1e-3)} m"}
+            # The spheroradius is that of the size whose mass is the mean, as of other distributions
+            # that of their mean; a form's width goes with its size.
+            own = _of_sieve(entry.get("sieve"), file.parent, where)(_PARTS)
+            tried = 20 * (spheroradius or 1e-3)
+            like = _formed({**entry, "size": f"{tried} m"}, where, 1.0, spheroradius, file)
+            size = tried * math.sqrt(float(np.mean(own**2))) / like.width
+            entry = {**entry, "size": f"{size} m"}
         like = _formed(entry, str(entry["name"]), 1.0, spheroradius, file)
         return entry, like.width, _of_sieve(entry.get("sieve"), file.parent, where)
     if "sieve" in entry:
@@ -88,7 +94,7 @@ def classes(sizes: Sizes) -> tuple[np.ndarray, np.ndarray]:
     A class has the size of the mean mass of its particles, so that number and mass of each are
     those of the distribution.
     """
-    own = sizes((np.arange(_QUANTILES) + 0.5) / _QUANTILES)
+    own = sizes(_PARTS)
     mass = own**2
     which = np.minimum((np.cumsum(mass) - mass / 2) / mass.sum() * CLASSES, CLASSES - 1).astype(int)
     number = np.bincount(which, minlength=CLASSES)

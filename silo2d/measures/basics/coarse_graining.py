@@ -78,29 +78,32 @@ def along_branches(start: Floats, end: Floats) -> tuple[Floats, Floats]:
     return points.reshape(-1, 2), np.tile(weights, len(start))[:, None]
 
 
-def part_inside(grid: Grid, polygon: Floats) -> Floats:
+def part_inside(grid: Grid, edges: Floats) -> Floats:
     """The part (j, i) of the kernel at each point of a grid that lies in the silo.
 
-    polygon: corners of the silo's inside (n, 2) [m]; it goes on upwards beyond its open top.
+    edges: of the silo's inside (e, 2, 2) [m]; it goes on upwards beyond its open top.
     Exact along x; the rows along y are an eighth of a width.
     """
     from scipy.special import ndtr
 
     width, step = grid.width, grid.width / _ROWS
-    top = max(polygon[:, 1].max(), grid.y[-1] + _MARGIN * width)
-    bottom = polygon[:, 1].min()
+    bottom, rim = edges[..., 1].min(), edges[..., 1].max()
+    top = max(rim, grid.y[-1] + _MARGIN * width)
     rows = bottom + step * (np.arange(int((top - bottom) / step)) + 0.5)
-    highest = polygon[:, 1].max() - step * 1e-3  # above, the silo is as wide as at its top
+    highest = rim - step * 1e-3  # above, the silo is as wide as at its top
     in_row = np.zeros((len(rows), len(grid.x)))
     for k, row in enumerate(rows):
-        for left, right in intervals_at(polygon, min(row, highest)):
+        for left, right in intervals_at(edges, min(row, highest)):
             in_row[k] += ndtr((right - grid.x) / width) - ndtr((left - grid.x) / width)
     return step * _gauss(grid.y[:, None] - rows, width) @ in_row
 
 
-def intervals_at(polygon: Floats, y: float) -> Floats:
-    """Left and right ends (k, 2) of a horizontal line at y inside a polygon (n, 2)."""
-    start, end = polygon, np.roll(polygon, -1, axis=0)
+def intervals_at(edges: Floats, y: float) -> Floats:
+    """Left and right ends (k, 2) of a horizontal line at y inside closed lines of edges (e, 2, 2).
+
+    What is in two of them, as an insert in a silo, is outside.
+    """
+    start, end = edges[:, 0], edges[:, 1]
     crosses = (start[:, 1] <= y) != (end[:, 1] <= y)
     a, b = start[crosses], end[crosses]
     return np.sort(a[:, 0] + (y - a[:, 1]) * (b - a)[:, 0] / (b - a)[:, 1]).reshape(-1, 2)
@@ -114,16 +117,26 @@ def _gauss(distance: Floats, width: float) -> Floats:
 
 
 def inside_polygon(scene: Scene) -> Floats:
-    """Corners of the silo's inside (n, 2) [m]: wall by wall, the outlet and the top closed."""
-    points = scene.walls.reshape(-1, 2)
+    """Corners (n, 2) [m] of the silo: wall by wall, the outlets and the top closed."""
+    points = scene.walls[~scene.of_insert].reshape(-1, 2)
     return points[np.r_[True, np.any(points[1:] != points[:-1], axis=1)]]
 
 
-def inside_mask(polygon: Floats, grid: Grid) -> NDArray[np.bool_]:
-    """Mask (j, i) of the points of a grid that are in a polygon (n, 2)."""
+def inside_edges(scene: Scene) -> Floats:
+    """Edges (e, 2, 2) [m] of the silo's inside, the sides of its inserts among them."""
+    return np.concatenate([closed(inside_polygon(scene)), scene.walls[scene.of_insert]])
+
+
+def closed(corners: Floats) -> Floats:
+    """Edges (n, 2, 2) from each corner (n, 2) to the next, and from the last to the first."""
+    return np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
+
+
+def inside_mask(edges: Floats, grid: Grid) -> NDArray[np.bool_]:
+    """Mask (j, i) of the points of a grid that are in closed lines of edges (e, 2, 2)."""
     mask = np.zeros((len(grid.y), len(grid.x)), dtype=bool)
     for j, y in enumerate(grid.y):
-        for left, right in intervals_at(polygon, float(y)):
+        for left, right in intervals_at(edges, float(y)):
             mask[j] |= (grid.x >= left) & (grid.x <= right)
     return mask
 

@@ -14,7 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granulab.campaign.output.figure import INK, WALL
-from silo2d.measures.basics.coarse_graining import Floats, Grid, inside_mask, inside_polygon
+from silo2d.measures.basics.coarse_graining import (
+    Floats,
+    Grid,
+    inside_edges,
+    inside_mask,
+    inside_polygon,
+)
 from silo2d.view.scene import Scene
 
 if TYPE_CHECKING:
@@ -58,7 +64,7 @@ def filled(solid: Floats) -> NDArray[np.bool_]:
 def area_of_silo(scene: Scene, grid: Grid) -> float:
     """Area [m2] of the silo's inside below the fill level, counted on a grid."""
     below = grid.y <= float(scene.trajectory.attributes["level"])
-    return grid.cell * float(inside_mask(inside_polygon(scene), grid)[below].sum())
+    return grid.cell * float(inside_mask(inside_edges(scene), grid)[below].sum())
 
 
 def standing(
@@ -69,7 +75,7 @@ def standing(
     speed [m/s], NaN where there is none; mass_flow [kg/s] out of the silo; density: of the bulk
     [kg/m2].
     """
-    left, right, _, _ = scene.window
+    left, right = scene.across
     plug = mass_flow / (density * (right - left))
     there, slow = filled(solid), np.nan_to_num(speed) < SLOW * plug
     return DeadZones(grid, there & slow, there & ~slow, area_of_silo(scene, grid), plug)

@@ -22,7 +22,6 @@ from granulab.campaign.output.statistics import quantile
 from silo2d.measures.basics.coarse_graining import Floats
 
 _PARTS = 5
-WIDTHS = 2.0  # of the Gaussian, from a wall
 
 
 def shear_rate(velocity: Floats, step: float) -> Floats:

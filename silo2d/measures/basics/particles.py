@@ -50,7 +50,7 @@ def column_edges(scene: Scene) -> Series:
 
     An odd number puts one column in the middle of a silo whose outlet is there.
     """
-    left, right, _, _ = scene.window
+    left, right = scene.across
     count = 2 * round(((right - left) / (2 * scene.particle_size) - 1) / 2) + 1
     return np.linspace(left, right, max(count, 3) + 1)
 

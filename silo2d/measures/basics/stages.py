@@ -11,13 +11,6 @@ from silo2d.measures.basics.particles import leavers
 from silo2d.measures.basics.walls import Samples, samples_of
 from silo2d.view.scene import Scene
 
-STAGES = {
-    "filling": "filled, under the filling's laws",
-    "at_rest": "at rest, just before the opening",
-    "opening": "just opened, until a tenth of the leavers was out",
-    "flow": "flow, a tenth to a half of the leavers out",
-    "end": "at rest again, at the end",
-}
 _FIRST = 0.1  # [s] after the opening, of a run that hardly flows
 
 

@@ -50,7 +50,7 @@ class AtOutlet:
 
     @property
     def cut(self) -> list[int]:
-        """Whether no clog ended them."""
+        """Marks of those that no clog ended: 1, else 0."""
         return [cut for run in self.runs for cut in run.cut]
 
     @property

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from granulab.campaign.output.layout import Row, done
-from granulab.campaign.output.statistics import Sample, overlap, wilson
+from granulab.campaign.output.statistics import CONFIDENCE, Counts, Sample, chance_of_shares
 from granulab.contact.files.datafile import data_file
 from silo2d.run.numbers import published_times
 
@@ -88,9 +88,9 @@ def unfinished(rows: Sequence[Row], n: int) -> str:
 
 
 def outcome_word(known: Trials, k: int, n: int) -> str:
-    """Return whether k of n clogged runs agree with the experiment: their intervals overlap."""
+    """Return whether k of n clogged runs agree with the experiment, by Fisher's exact test."""
     if not known.n or not n:
         return "-"
-    if overlap(wilson(known.clogged, known.n), wilson(k, n)):
+    if chance_of_shares([Counts(k, n, known.clogged, known.n)]) >= 1 - CONFIDENCE:
         return "agrees"
     return f"clogs {'more' if k / n > known.clogged / known.n else 'less'} often"
