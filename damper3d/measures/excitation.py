@@ -53,7 +53,8 @@ def swept(cycles: Cycles) -> list[dict[str, Any]]:
     """Each window of a sweep: frequency, way, amplitude with the damper and bare, power.
 
     An amplitude is half of largest less least displacement over the window, or over a cycle of its
-    frequency where that takes longer.
+    frequency where that takes longer. Of a stepped sweep the change from the frequency before is
+    left out of the amplitude; the power is of the whole window.
     """
     case, samples = cycles.case, cycles.samples
     assert case.excitation is not None
@@ -61,13 +62,13 @@ def swept(cycles: Cycles) -> list[dict[str, Any]]:
     assert sweep is not None
     time, window = samples["time"], case.excitation.window
     middle = window * (np.arange((len(time) - 1) // cycles.per_cycle) + 0.5)
-    frequency = sweep.frequency(middle)
+    frequency, held = sweep.frequency(middle), sweep.is_held(time)
     bare = None if case.modes is None else case.bare_displacement(time)
     power = per_cycle_change(lost(samples), cycles.per_cycle) / window
     rows = []
     for k, (at, f) in enumerate(zip(middle.tolist(), frequency.tolist(), strict=True)):
         half = max(0.5 * window, 0.5 / f)
-        near = np.abs(time - at) <= half * (1 + 1e-9)
+        near = held & (np.abs(time - at) <= half * (1 + 1e-9))
         rows.append(
             {
                 "frequency_hz": f,

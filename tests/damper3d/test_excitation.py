@@ -102,6 +102,18 @@ def test_a_sweep_back_has_the_frequencies_of_the_way_there():
     assert np.allclose(np.unique(steps), np.geomspace(10.0, 40.0, 4))
 
 
+@pytest.mark.parametrize("ends", [(20.0, 80.0), (80.0, 20.0)])
+@pytest.mark.parametrize("steps", [2, 12, 40])
+def test_a_stepped_sweep_keeps_its_level_where_the_frequency_changes(steps, ends):
+    """The change takes two cycles at least, in which A' and A'' add 3 % at most; 5 % are asked."""
+    table = Sweep(*ends, 8.0, True, steps, True).table(Size(20.0, "m/s2"))
+    inside = np.diff(table.rate)[: int(16.0 / table.spacing)] / table.spacing
+    assert np.abs(inside).max() == pytest.approx(20.0, rel=0.05)
+    moved = np.diff(table.place) / table.spacing  # by its velocity: the displacement never jumps
+    mean = 0.5 * (table.rate[1:] + table.rate[:-1])
+    assert np.abs(moved - mean).max() < 0.01 * np.abs(table.rate).max()
+
+
 @pytest.mark.parametrize(("form", "change"), [("half_sine", 2 / math.pi), ("terminal_peak", 0.5)])
 def test_a_pulse_changes_the_velocity_by_its_area_which_stays(form, change):
     pulse = forms.pulse(form, Size(300.0, "m/s2"), 0.011)

@@ -55,6 +55,7 @@ def load(folder: Path, changes) -> DamperCase:
         ({**SINES, "excitation.amplitudes": ["6 g", "-4 g"]}, ["'-4 g'", "above 0"]),
         ({**SINES, "excitation.amplitudes": ["6 g", "4"]}, ["'4'", "unit is missing"]),
         ({**SINES, "excitation.frequencies": [80, 80]}, ["stands twice"]),
+        ({**SWEEP, "excitation.steps": 12}, ["steps = 12", "held for 0.0167 s", "fewer steps"]),
         ({**SINES, "excitation.frequencies": [80, -1]}, ["frequencies", "greater than 0"]),
         ({**SINES, "excitation.phases": ["1 s", "0 deg"]}, ["phases = '1 s'"]),
         ({**SINES, "excitation.across_amplitudes": ["1 g", "1 g"]}, ["across is missing"]),
@@ -192,7 +193,7 @@ OTHERS = {
     "phases": (SINES, ["0 deg", "9 deg"]), "across": (CROSSED, [0, 1, 0]),
     "across_amplitudes": (CROSSED, ["1 g", "2 g"]), "across_phases": (CROSSED, ["1 deg", "0 deg"]),
     "from_frequency": (SWEEP, 50), "to_frequency": (SWEEP, 110), "amplitude": (SHOCK, "41 g"),
-    "spacing": (SWEEP, "linear"), "length": (SWEEP, "0.3 s"), "steps": (SWEEP, 3),
+    "spacing": (SWEEP, "linear"), "length": (SWEEP, "0.3 s"), "steps": (SWEEP, 2),
     "and_back": (SWEEP, True), "psd": (RANDOM, [[60, 0.2], [240, 0.1]]), "seed": (RANDOM, 2),
     "pulse": (SHOCK, "terminal_peak"), "integration": (SIGNAL, "as_measured"),
     "on": (ON_HOST["random"], None), "kind": (None, None), "file": (None, None),
@@ -277,6 +278,22 @@ def test_a_host_under_an_excitation_closes_its_energy(kind, tmp_path):
     assert result.host["rms_m"] > 0
     assert (result.excitation["sweep"] is not None) == (kind == "sweep")
     assert (result.host["decay_times_s"] is not None) == (kind == "shock")
+
+
+@pytest.mark.parametrize("and_back", [False, True])
+def test_windows_of_a_stepped_sweep_hold_one_frequency(and_back, tmp_path):
+    """Each of twelve has as many; their middles lie behind the change from the frequency before."""
+    stepped = {**SWEEP, "excitation.length": "6 s", "excitation.steps": 12,
+               "excitation.and_back": and_back}  # fmt: skip
+    own = load(tmp_path, stepped).excitation
+    ways = 2 if and_back else 1
+    each = own.windows // (12 * ways)
+    assert own.windows == 12 * ways * each
+    middle = own.window * (np.arange(own.windows) + 0.5)
+    assert own.sweep.is_held(middle).all()
+    there = np.geomspace(60.0, 120.0, 12)
+    held = np.concatenate([there, there[::-1]]) if and_back else there
+    assert np.allclose(own.sweep.frequency(middle), np.repeat(held, each), rtol=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["sines", "sweep", "random", "shock"])

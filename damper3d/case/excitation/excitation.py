@@ -320,11 +320,29 @@ def _sweep(keys: Keys, on: str) -> Excitation:
     sweep = Sweep(first, last, length, logarithmic, keys.steps or 0, bool(keys.and_back))
     size = _size(keys.amplitude, "amplitude", on)
     highest = max(first, last)
-    shown = _parts(length, highest, _SHOWN) * (2 if sweep.and_back else 1)
+    way = _of_steps(sweep) if sweep.steps else _parts(length, highest, _SHOWN)
+    shown = way * (2 if sweep.and_back else 1)
     return Excitation(
         "sweep", on, sweep.table(size), sweep.duration / shown, shown, 0, highest,
-        sweep=sweep, identity=(*vars(sweep).values(), size.value, size.unit),
+        sweep=sweep, identity=(*vars(sweep).values(), *sweep.glides, size.value, size.unit),
     )  # fmt: skip
+
+
+def _of_steps(sweep: Sweep) -> int:
+    """Number of windows of a stepped sweep, one way: as many of each frequency.
+
+    InputError where the change of frequency takes more than half of a window.
+    """
+    step, glide = sweep.length / sweep.steps, float(sweep.glides.max())
+    wanted = min(math.ceil(_SHOWN / sweep.steps), max(int(step / (2.0 * glide)), 1))
+    each = max(wanted, _parts(step, max(sweep.first, sweep.last), 1))
+    if step / each < 2.0 * glide:
+        raise InputError(
+            f"steps = {sweep.steps}: each frequency is held for {step / each:.3g} s, and the "
+            f"change to the next takes {glide:.3g} s, more than half of it; give fewer steps, a "
+            "slower sweep or a narrower range of frequencies"
+        )
+    return sweep.steps * each
 
 
 def _parts(length: float, highest: float, least: int) -> int:
