@@ -119,6 +119,12 @@ def test_base_motion_of_modes_needs_their_participation(tmp_path):
     path = tmp_path / "modes.csv"
     path.write_text(HEAD + "20,0.01,1\n", encoding="utf-8")
     assert "'participation' is missing, which base motion needs" in refusal(read_modes, path, True)
+    shaken = {"host.modes": "modes.csv", "excitation.kind": "shock", "excitation.on": "base",
+              "excitation.amplitude": "2 g", "excitation.length": "5 ms",
+              "motion.gamma": None, "motion.frequency": None}  # fmt: skip
+    for changes in ({"host.modes": "modes.csv", "host.base_acceleration": "1 g"}, shaken):
+        words = ["'participation' is missing, which base motion needs"]
+        assert_refuses(words, load, tmp_path, changes)
 
 
 def test_the_bare_response_of_a_mode_is_that_of_an_oscillator(tmp_path):

@@ -249,7 +249,8 @@ def with_motion(
     given, and a release until REACHED. first: shape at the first damper, see Modes.
     """
     keys, arc = in_arcs(settings, where)
-    modes = modes_of(keys, folder, where) if given(keys) else None
+    base_moves = settings.excitation.on == "base"
+    modes = modes_of(keys, folder, where, base_moves) if given(keys) else None
     if modes is not None:
         modes = replace(modes, first=first)
     slowest, own = 0.0, 0.0

@@ -65,8 +65,11 @@ def given(keys: HostKeys) -> bool:
     return any(value is not None for value in keys.model_dump().values())
 
 
-def modes_of(keys: HostKeys, folder: Path, where: str) -> Modes:
-    """The modes of [host]; InputError where keys or the table of modes are not right."""
+def modes_of(keys: HostKeys, folder: Path, where: str, base_moves: bool = False) -> Modes:
+    """The modes of [host]; InputError where keys or the table of modes are not right.
+
+    base_moves: by an excitation, where no key of [host] says it.
+    """
     single = {name: getattr(keys, name) for name in ("mass", "frequency", "damping_ratio")}
     if keys.modes is not None:
         both = [name for name, value in single.items() if value is not None]
@@ -75,7 +78,7 @@ def modes_of(keys: HostKeys, folder: Path, where: str) -> Modes:
                 f"{where}: [host] {both[0]} is given, and modes = {keys.modes!r} has it for each "
                 "mode; leave one of them out"
             )
-        return read_modes(_table(keys.modes, folder), bool(base_of(keys)), keys.at)
+        return read_modes(_table(keys.modes, folder), base_moves or bool(base_of(keys)), keys.at)
     if keys.at is not None:
         raise InputError(
             f"{where}: [host] at = {keys.at!r}: names a column {_AT}{keys.at} of a table of modes; "
