@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from damper3d.case.host.modes import given
 from damper3d.case.oscillation import DEEPEST
 from damper3d.case.random_packing import close_packing
 from damper3d.case.settings import MOST_PARTICLES, Kind, Motion, Particles, Settings
@@ -279,6 +280,7 @@ def with_usual_cycles(settings: Settings, document: dict[str, Any]) -> Settings:
     if spheres or "cycles" in document.get("run", {}):
         return settings
     run = settings.run.model_copy(update={"cycles": SHAPED_CYCLES})
+    run.model_fields_set.discard("cycles")  # a host or an excitation has a length of its own
     return settings.model_copy(update={"run": run})
 
 
@@ -328,7 +330,9 @@ def check_protocol(settings: Settings, where: str) -> None:
         )
     run, output = settings.run, settings.output
     cycles = run.max_cycles if run.steady else run.cycles
-    if run.discard >= cycles:
+    # A host's last cycles count, and discard only says from when on it is judged.
+    on_host = run.steady and given(settings.host)
+    if run.discard >= cycles and not on_host:
         key = "max_cycles" if run.steady else "cycles"
         raise InputError(
             f"{where}: [run] discard = {run.discard}: must be below {key} = {cycles}, or none is "

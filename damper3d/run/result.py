@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from damper3d.case.case import DamperCase
-from damper3d.case.host.host import COUNTED
+from damper3d.case.host.host import COUNTED, FORGOTTEN, cycles_until
 from damper3d.measures import efficiency, excitation, host, response
 from damper3d.measures.counted import Cycles, harmonics
 from damper3d.run.packing import lowest
@@ -141,7 +141,7 @@ def first_counted(case: DamperCase, n_cycles: int) -> int:
     if not run.steady:
         return run.discard
     if case.modes is not None:
-        return max(n_cycles - COUNTED, run.discard)
+        return max(n_cycles - COUNTED, 0)
     return n_cycles - min(judged(n_cycles - run.discard), n_cycles - run.discard)
 
 
@@ -154,11 +154,11 @@ def _steadiness(cycles: Cycles, eta: np.ndarray, note: str | None) -> dict[str, 
     """
     case, run = cycles.case, cycles.case.settings.run
     if run.steady:
-        if case.modes is None:
-            done = is_steady(eta[run.discard :])
-        else:
-            sizes = np.abs(harmonics(cycles.samples["displacement"], cycles.per_cycle))
-            done = keeps_amplitude(sizes)
+        sizes = np.abs(harmonics(cycles.samples["displacement"], cycles.per_cycle))
+        done = is_steady(eta[run.discard :]) if case.modes is None else keeps_amplitude(sizes)
+        early = too_early(case, len(eta))
+        if done and early is not None:
+            return {"steady": None, "steady_note": early}
         late = f"not steady after {len(eta)} cycles: give more --max-cycles"
         return {"steady": done, "steady_note": None if done else late}
     if case.modes is not None or case.excitation is not None:
@@ -166,6 +166,27 @@ def _steadiness(cycles: Cycles, eta: np.ndarray, note: str | None) -> dict[str, 
     if note is not None:
         return {"steady": False, "steady_note": None}
     return dict(zip(("steady", "steady_note"), verdict(eta[cycles.first :]), strict=True))
+
+
+def too_early(case: DamperCase, n_cycles: int) -> str | None:
+    """Why an amplitude that ten cycles do not change may change yet; None without a host.
+
+    The start of a host of damping ratio zeta changes it by 1 - exp(-20 pi zeta) of what is left.
+    """
+    if case.modes is None:
+        return None
+    takes = cycles_until(FORGOTTEN, case.modes.slowest, case.settings.motion.frequency)
+    if takes is None:
+        return (
+            "the host has no damping, so that its start dies away by the bed alone: the amplitude "
+            "of ten cycles is that of the ten before, and may be of a beat; give a damping ratio"
+        )
+    if n_cycles >= takes + COUNTED:
+        return None
+    return (
+        f"{n_cycles} cycles, and the bare host's start takes {takes} to fall to 1 %, before the "
+        f"{COUNTED} that are judged: give --max-cycles {takes + COUNTED} or more, and no --discard"
+    )
 
 
 def _interval(eta: np.ndarray, steady: bool) -> tuple[float, float] | None:

@@ -20,7 +20,7 @@ from damper3d.case.plan import (
     steps_at_most,
     warnings,
 )
-from damper3d.case.settings import Settings
+from damper3d.case.settings import Run, Settings
 from damper3d.measures import excitation, host
 from damper3d.measures.efficiency import in_words
 from damper3d.run.result import Result
@@ -215,6 +215,10 @@ def _yield(case: DamperCase) -> list[str]:
     return lines
 
 
+def _least_on_host(run: Run) -> int:
+    return min(max(run.cycles, run.discard + COUNTED), run.max_cycles)
+
+
 def _end(case: DamperCase) -> str:
     run = case.settings.run
     if case.is_decay:
@@ -224,8 +228,8 @@ def _end(case: DamperCase) -> str:
         )
     if run.steady and case.modes is not None:
         return (
-            f"when the host's amplitude is steady, {max(run.cycles, run.discard + COUNTED)} cycles "
-            f"at least and {run.max_cycles} at most; the last {COUNTED} count"
+            f"when the host's amplitude is steady, {_least_on_host(run)} cycles at least, as its "
+            f"start is to be forgotten, and {run.max_cycles} at most; the last {COUNTED} count"
         )
     if run.steady:
         return (

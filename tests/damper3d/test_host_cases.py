@@ -1,6 +1,7 @@
 """Cases with a host: what follows from it, what is refused, and runs that go on with their bits."""
 
 import json
+import math
 import random
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from small_silo import DRY, the_run
 from damper3d.case.case import DamperCase
 from damper3d.case.host.modes import read_modes
 from damper3d.run import protocol, vibration
+from damper3d.run.result import too_early
 from damper3d.run.steady import keeps_amplitude
 from granulab.errors import Stopped
 
@@ -170,6 +172,37 @@ def test_an_amplitude_is_steady_where_ten_cycles_change_it_by_less_than_half_a_p
     assert keeps_amplitude(1 + 0.01 * np.exp(-cycles / 30))
 
 
+@pytest.mark.parametrize("ratio", [0.02, 0.0005])
+def test_a_forced_host_is_judged_when_its_start_is_forgotten(ratio, tmp_path):
+    """exp(-2 pi zeta n) = 0.01 at its own frequency, and twenty cycles more are judged.
+
+    At zeta = 0.0005 ten cycles change what the start left by 3 %, and so pass for steady at 16 % of
+    the amplitude.
+    """
+    left_out = {"run.cycles": None, "run.discard": None, "host.damping_ratio": ratio}
+    run = load(tmp_path, {**FORCED, **left_out}).settings.run
+    forgets = math.ceil(math.log(100) / (2 * math.pi * ratio))
+    assert (run.steady, run.discard) == (True, forgets)
+    assert run.max_cycles > forgets + 20
+    of_few = load(tmp_path, {**FORCED, **left_out, "run.max_cycles": forgets + 19})
+    assert f"takes {forgets} to fall to 1 %" in too_early(of_few, forgets + 19)
+    assert f"--max-cycles {forgets + 20}" in too_early(of_few, forgets + 19)
+    assert too_early(of_few, forgets + 20) is None
+    undamped = {"host.damping_ratio": 0.0, "motion.frequency": 60.0}
+    assert "no damping" in too_early(load(tmp_path, {**FORCED, **left_out, **undamped}), 1000)
+
+
+@pytest.mark.parametrize("shape", ["sphere:5mm", "prolate:1.5"])
+def test_a_forced_host_goes_on_until_it_is_steady_whatever_the_particles(shape, tmp_path):
+    """The thesis's 18 cycles of particles that are no spheres are those of a prescribed motion."""
+    usual = {"run.cycles": None, "run.discard": None, "particles.shape": shape}
+    assert load(tmp_path, {**FORCED, **usual}).settings.run.steady
+    shock = {"excitation.kind": "shock", "excitation.amplitude": "9 g",
+             "excitation.length": "5 ms", "motion.frequency": None, "motion.gamma": None,
+             "output.samples": None}  # fmt: skip
+    assert load(tmp_path, {**usual, **shock}).settings.run.cycles == 20
+
+
 def test_a_run_on_a_host_stopped_many_times_ends_with_the_same_bits(tmp_path, monkeypatch):
     """Checkpoints hold the modes' state; the amplitudes so far decide when it is steady."""
     monkeypatch.setattr(vibration, "CHECKPOINT_WORK", 10 * 20 * 50 + 1)  # every ten samples
@@ -185,6 +218,7 @@ def test_a_run_on_a_host_stopped_many_times_ends_with_the_same_bits(tmp_path, mo
     assert stops > 3
     assert_same_run(the_run(tmp_path / "parts"), the_run(tmp_path / "whole"))
     assert result.host["reduction"] < 1
+    assert result.steady is None  # 30 of the 57 cycles that it takes
     assert abs(result.host["energy_closure"]) < 2e-2  # steps of 5 us on soft spheres
 
 

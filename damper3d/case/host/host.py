@@ -29,6 +29,7 @@ from granulab.contact.files.units import located
 from granulab.errors import InputError
 
 REACHED = 0.1  # of the first root of the host's energy: where a free decay ends
+FORGOTTEN = 0.01  # of the difference from the steady motion with which a run starts, as forgotten
 _SETTLED = 1e-3  # of a transient, that is left after the most cycles of a steady run
 COUNTED = 20  # cycles of a steady forced host that count: two blocks of ten that agree
 _MOST_CYCLES, _UNDAMPED_CYCLES = 100_000, 1000
@@ -246,7 +247,8 @@ def with_motion(
 
     The frequency of the motion is by itself that of the bare host (of several modes, the lowest);
     its gamma is the bare response's. A forced host runs until it is steady, unless cycles are
-    given, and a release until REACHED. first: shape at the first damper, see Modes.
+    given, and is not judged before its start is forgotten; a release runs until REACHED. first:
+    shape at the first damper, see Modes.
     """
     keys, arc = in_arcs(settings, where)
     base_moves = settings.excitation.on == "base"
@@ -255,7 +257,7 @@ def with_motion(
         modes = replace(modes, first=first)
     slowest, own = 0.0, 0.0
     if modes is not None:
-        slowest = float((modes.damping_ratio * modes.omega).min())
+        slowest = modes.slowest
         own = float(modes.omega.min()) / (2.0 * math.pi)
     excitation = excitation_of(settings, modes is not None, slowest, own, folder, where)
     if excitation is not None:
@@ -341,19 +343,26 @@ def _bare_gamma(modes: Modes, drive: Drive, where: str) -> float:
     return size * omega**2 / GRAVITY
 
 
+def cycles_until(left: float, slowest: float, frequency: float) -> int | None:
+    """Cycles at a frequency [Hz] until a free decay of a rate [1/s] is so far down; None: never.
+
+    What differs from the steady motion at the start dies away so, off the resonance with a beat.
+    """
+    return math.ceil(-math.log(left) * frequency / slowest) if slowest else None
+
+
 def _lengths(given_keys: set[str], modes: Modes, drive: Drive) -> dict[str, Any]:
     """Keys of [run] that follow from a host, where the case does not give them."""
-    slowest = float((modes.damping_ratio * modes.omega).min())
-    per_cycle = 2.0 * math.pi * slowest / drive.omega  # of the logarithm of an amplitude
 
     def until(left: float) -> int:
-        if not per_cycle:
-            return _UNDAMPED_CYCLES
-        return min(math.ceil(-math.log(left) / per_cycle), _MOST_CYCLES - 2 * COUNTED)
+        cycles = cycles_until(left, modes.slowest, drive.omega / (2.0 * math.pi))
+        return _UNDAMPED_CYCLES if cycles is None else min(cycles, _MOST_CYCLES - 2 * COUNTED)
 
     found: dict[str, Any] = {}
     if drive.is_release:
         found = {"cycles": until(REACHED) + 1, "discard": 0}
     elif "cycles" not in given_keys:
         found = {"steady": True, "cycles": COUNTED, "max_cycles": until(_SETTLED) + 2 * COUNTED}
+        if modes.slowest:
+            found["discard"] = until(FORGOTTEN)
     return {name: value for name, value in found.items() if name not in given_keys}

@@ -50,6 +50,11 @@ class Modes:
         shape = np.array([1 / math.sqrt(mass)])
         return cls(np.array([omega]), np.array([damping_ratio]), shape, shape, 1 / shape)
 
+    @property
+    def slowest(self) -> float:
+        """Least rate of a mode's free decay [1/s]."""
+        return float((self.damping_ratio * self.omega).min())
+
     def nearest(self, omega: float) -> int:
         """The mode whose own frequency is nearest [rad/s]."""
         return int(np.argmin(np.abs(self.omega - omega)))

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from damper3d.case.case import DamperCase
+from damper3d.case.host.host import FORGOTTEN, cycles_until
 from damper3d.studies.design.candidates import Candidate
-from damper3d.studies.design.search import Design, Rows, responses_near, structure_of
+from damper3d.studies.design.search import Design, Rows, responses_near
 from damper3d.studies.design.spec import Task
-from damper3d.studies.field.simulated import forgotten
 from granulab.campaign.output.statistics import mean_sd, noise_of_one_more, pooled_sd, quantile
 
 _ALIKE = 2  # designs of a bed that are verified
@@ -88,7 +88,8 @@ def verification_cases(
     A run is not judged before its start is forgotten: with the damping that the response over the
     bare one tells.
     """
-    bare, own = structure_of(task), task.spec.structure
+    own = task.spec.structure
+    slowest = 2.0 * math.pi * own.frequency * own.damping_ratio
     force = task.spec.level.range[level] * task.force
     cases = []
     for seed in seeds:
@@ -98,7 +99,7 @@ def verification_cases(
         }  # fmt: skip
         for frequency in at:
             labels = {"design": number, "seed": seed, "frequency_hz": frequency}
-            waits = math.ceil(design.reduction * forgotten(bare, frequency))
+            waits = math.ceil(design.reduction * (cycles_until(FORGOTTEN, slowest, frequency) or 0))
             here = changes | {"motion.frequency": frequency, "run.discard": waits}
             cases.append((labels, DamperCase.load("thesis", here)))
     return cases

@@ -4,15 +4,14 @@ The runs are those of a case with a [host] at other amplitudes and frequencies o
 the folders of a sweep: finished ones are not done again.
 """
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from damper3d.case.case import DamperCase
+from damper3d.case.host.host import FORGOTTEN, cycles_until
 from damper3d.studies.field.structure import DRIVES, Structure, structure_of
 from granulab.campaign.sweeps.sweep import Labelled
 
-LEFT = 0.01  # of the difference from the steady motion with which a run starts
 _UNITS = dict(zip(DRIVES, ("N", "m", "m/s2"), strict=True))
 Rows = list[dict[str, Any]]
 
@@ -23,8 +22,8 @@ def response_cases(
     """The case at each level and frequency [Hz], with the labels level and frequency_hz.
 
     host: a name or path of a case with a [host]. A run is steady unless the case gives its cycles,
-    and not judged before what its start left has fallen to LEFT: off the resonance it beats, and
-    at the top of a beat ten cycles are like the ten before.
+    and not judged before its start is forgotten, whatever the case discards: off the resonance it
+    beats, and at the top of a beat ten cycles are like the ten before.
     Raises InputError where the case has no steady response.
     """
     structure = structure_of(DamperCase.load(host))
@@ -38,19 +37,12 @@ def response_cases(
             labels = {"level": level, "frequency_hz": frequency}
             case = DamperCase.load(host, changes)
             if case.settings.run.steady:
-                discard = max(case.settings.run.discard, forgotten(structure, frequency))
+                assert case.modes is not None
+                waits = cycles_until(FORGOTTEN, case.modes.slowest, frequency) or 0
+                discard = max(case.settings.run.discard, waits)
                 case = DamperCase.load(host, {**changes, "run.discard": discard})
             cases.append((labels, case))
     return cases
-
-
-def forgotten(structure: Structure, frequency: float) -> int:
-    """Cycles at a frequency [Hz] in which the bare structure's free decay falls to LEFT.
-
-    0 of an undamped one, which forgets by its bed only.
-    """
-    slowest = float((structure.damping_ratio * structure.omega).min())
-    return math.ceil(-math.log(LEFT) * frequency / slowest) if slowest else 0
 
 
 def points(structures: Mapping[str, Structure], rows: Rows, shown: int = 0) -> Rows:
