@@ -76,6 +76,17 @@ def test_refinement_bounds_the_error_where_the_curve_bends_and_keeps_to_its_runs
     assert unlike(result) == pytest.approx(0.0, abs=1e-12)
 
 
+def test_a_field_has_the_mass_of_its_bed_whatever_the_last_digit_of_its_means(made, tmp_path):
+    """Three times 0.1 kg over three is another number than twice over two, at points where a run
+    failed.
+    """
+    rows = [{**row, "mass_kg": 0.1} for row in made_field(tmp_path).rows]
+    rows[0] = {**rows[0], "state": "failed"}
+    result = MapResult.of(rows)
+    assert len(set(result.mean("mass_kg"))) == 2
+    assert field_of(result).bed_mass == 0.1
+
+
 def test_refinement_stops_at_the_noise_of_the_packings(monkeypatch, tmp_path):
     """With three packings that scatter by a fifth of the mass, intervals cover the bends."""
     monkeypatch.setattr(
