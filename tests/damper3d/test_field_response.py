@@ -1,6 +1,7 @@
 """Harmonic balance with a field: closed forms, all solutions, jumps, several modes, refusals."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from refusals import assert_refuses
 
 from damper3d.case.case import DamperCase
 from damper3d.case.parts import GRAVITY
-from damper3d.studies.field.balance import respond, spaced, swept
+from damper3d.studies.field.balance import respond, spaced, swept, with_peaks
 from damper3d.studies.field.report import of_response
 from damper3d.studies.field.structure import Structure, structure_of
 from damper3d.studies.field.table import Field
@@ -40,6 +41,27 @@ def test_a_rigid_mass_shifts_the_resonance_exactly():
     assert found.bare[0] == pytest.approx(
         FORCE / np.abs(STIFFNESS - w**2 * MASS + 1j * w * DASHPOT), rel=ROUNDING
     )
+
+
+@pytest.mark.parametrize("ratio", [0.005, 1e-3, 1e-4, 1e-6])
+def test_the_peak_of_a_lightly_damped_structure_is_met_beside_its_own_frequency(ratio):
+    """F/(2 zeta' k sqrt(1 - zeta'^2)) of M + m, zeta' = zeta sqrt(M/(M + m)); to 0.2 %, see spaced.
+
+    And so are the ends of its interval.
+    """
+    host = Structure.single(MASS, FREQUENCY, ratio, force=FORCE)
+    wide = 0.02 * np.ones(2 * len(TABLE))
+    field = replace(constant(lambda f: 0.1, (0.5, 1e9)),
+                    in_phase_half_width=wide, out_of_phase_half_width=0.0 * wide)  # fmt: skip
+    found = with_peaks(lambda f: [respond(host, field, f)], spaced(host, 30.0, 60.0), ratio)
+    (level,) = of_response(host, field, found[0])
+
+    def peak(mass):
+        own = ratio * math.sqrt(MASS / (MASS + mass))
+        return FORCE / (2 * own * STIFFNESS * math.sqrt(1 - own**2))
+
+    assert level["peak_amplitude_m"] == pytest.approx(peak(0.1), rel=2e-3)
+    assert level["peak_interval_m"] == pytest.approx([peak(0.08), peak(0.12)], rel=2e-3)
 
 
 def test_a_dashpot_damps_exactly():

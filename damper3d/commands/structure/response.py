@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -205,7 +206,7 @@ def _balanced(
     beds: _Beds, tables: dict[str, str], between: str | None, levels: tuple[float, ...], path: Path
 ) -> tuple["list[Responses]", dict[str, Any], str]:
     """Responses from fields, with their table written; results for --json, report in words."""
-    from damper3d.studies.field.balance import respond, spaced
+    from damper3d.studies.field.balance import spaced, with_peaks
     from damper3d.studies.field.engine import BALANCE
     from damper3d.studies.field.report import (
         in_words,
@@ -221,16 +222,17 @@ def _balanced(
     structures, one = beds.structures, len(set(tables.values())) == 1
     fields = {name: read_field(table) for name, table in tables.items()}
     ends = _ends(fields, tables, between)
-    lead, field = next(iter(structures.values())), next(iter(fields.values()))
-    frequency = spaced(lead, *ends)
+    lead = next(iter(structures.values()))
+    own, each = list(structures.values()), list(fields.values())
+    announce_compilation(beds.quiet or act_as_one(own), already_compiled(BALANCE))
+    together = with_peaks(
+        partial(respond_together, own, each, levels=levels), spaced(lead, *ends),
+        float(lead.damping_ratio.min()),
+    )  # fmt: skip
     if len(structures) == 1:
-        together = [respond(lead, field, frequency, levels)]
-        found = of_response(lead, field, together[0])
+        found = of_response(lead, each[0], together[0])
     else:
-        own = list(structures.values())
-        announce_compilation(beds.quiet or act_as_one(own), already_compiled(BALANCE))
-        together = respond_together(own, list(fields.values()), frequency, levels)
-        found = of_responses(structures, list(fields.values()), together, beds.shown)
+        found = of_responses(structures, each, together, beds.shown)
     write_responses(path, together, beds.names, beds.shown)
     rides = {name: field.rides_at_least for name, field in fields.items()}
     results: dict[str, Any] = {
@@ -244,7 +246,8 @@ def _balanced(
     of = next(iter(tables.values())) if one else words
     lines = [f"{path.stem.removeprefix('response-')} with the bed of {of}", in_words(found)]
     if beds.names:
-        lost = frequency[together[0].lost].tolist() if together[0].lost is not None else []
+        first = together[0]
+        lost = first.frequency[first.lost].tolist() if first.lost is not None else []
         results |= {"fields": tables, "not_followed_hz": lost}
         if lost:
             lines.append(f"not whole   at {len(lost)} frequencies, the first {lost[0]:g} Hz, the "

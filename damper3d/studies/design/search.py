@@ -11,6 +11,7 @@ import math
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,8 +19,9 @@ import numpy as np
 from damper3d.case.case import GRAVITY, DamperCase
 from damper3d.studies.design.candidates import Candidate, scaled, spread
 from damper3d.studies.design.spec import Task
-from damper3d.studies.field.balance import Responses, respond, spaced
+from damper3d.studies.field.balance import Responses, spaced, with_peaks
 from damper3d.studies.field.runs import IN_PHASE, OUT_OF_PHASE
+from damper3d.studies.field.several import respond_together
 from damper3d.studies.field.structure import Structure
 from damper3d.studies.field.table import Field
 
@@ -139,7 +141,9 @@ def responses_near(
     structure = structure_of(task, factor)
     centre = factor * task.spec.structure.frequency
     frequency = spaced(structure, _lowest(task, _NEAR[0]) * centre, _NEAR[1] * centre)
-    return respond(structure, own, frequency, levels)
+    sharpest = task.spec.structure.damping_ratio
+    answer = partial(respond_together, [structure], [own], levels=levels)
+    return with_peaks(answer, frequency, sharpest)[0]
 
 
 def judge(

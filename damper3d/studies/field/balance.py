@@ -18,8 +18,8 @@ frequencies) are not looked at. One damper on any number of modes; several.py ha
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -74,9 +74,13 @@ class Responses:
         """Frequency [Hz] and amplitude [m] of the largest stable response; None where unknown."""
         if self.beyond[level].any():
             return None
-        each = np.nan_to_num(self.stable[level]).max(axis=1, initial=0.0)
+        each = self.largest_at_each(level)
         at = int(np.argmax(each))
         return float(self.frequency[at]), float(each[at])
+
+    def largest_at_each(self, level: int) -> Floats:
+        """Largest stable amplitude at each frequency (f,) [m]; 0 where none is known."""
+        return np.asarray(np.nan_to_num(self.stable[level]).max(axis=1, initial=0.0))
 
 
 def respond(
@@ -205,13 +209,63 @@ def spaced(structure: Structure, low: float, high: float) -> Floats:
     """Frequencies [Hz] from low to high, where a peak is met to 0.2 %, and the modes' own.
 
     Twenty lie in the half-power bandwidth 2 zeta of the sharpest mode: a peak is at most a fortieth
-    of it away, and 1/sqrt(1 + (1/20)^2) of it is met.
+    of it away, and 1/sqrt(1 + (1/20)^2) of it is met. Below zeta = 0.005 they would be too many,
+    and with_peaks adds those that it takes.
     """
-    sharpest = float(structure.damping_ratio.min())
-    step = np.clip(0.1 * sharpest, _FINEST, _COARSEST)
+    step = np.clip(_OF_RATIO * float(structure.damping_ratio.min()), _FINEST, _COARSEST)
     even = np.geomspace(low, high, max(2, math.ceil(math.log(high / low) / step) + 1))
     own = structure.omega / (2.0 * math.pi)
     return np.union1d(even, own[(low < own) & (own < high)])
 
 
+_OF_RATIO = 0.1  # of a damping ratio, step of ln f
 _FINEST, _COARSEST = 5e-4, 5e-3  # of ln f: at most 2800 in a factor of four, and smooth curves
+_WITHIN = 9  # frequencies about a maximum, the next nearer ones
+_CLOSEST = 1e-7  # of ln f, where a structure without damping ends it
+
+
+@dataclass(frozen=True)
+class _Maximum:
+    """A largest response between two frequencies [Hz], of a damper and a level by their numbers."""
+
+    damper: int
+    level: int
+    low: float
+    high: float
+
+    def among(self, frequency: Floats, together: Sequence[Responses]) -> "_Maximum":
+        """The same between the neighbours of the largest at frequencies, which it is within."""
+        inside = np.flatnonzero((self.low <= frequency) & (frequency <= self.high))
+        top = int(inside[np.argmax(together[self.damper].largest_at_each(self.level)[inside])])
+        first, last = max(top - 1, inside[0]), min(top + 1, inside[-1])
+        return replace(self, low=float(frequency[first]), high=float(frequency[last]))
+
+
+def with_peaks(
+    answer: Callable[[Floats], Sequence[Responses]], frequency: Floats, sharpest: float
+) -> list[Responses]:
+    """Responses of dampers at frequencies (f,) [Hz], and at more of them about their maxima.
+
+    answer: the responses at some frequencies; sharpest: the least damping ratio. Each maximum is
+    closed in on until its neighbours are as near as `spaced` has them where they are not too many.
+    """
+    together, close = answer(frequency), max(2.0 * _OF_RATIO * sharpest, _CLOSEST)
+    maxima, found = _maxima(together), [frequency]
+    while maxima := [one for one in maxima if math.log(one.high / one.low) > close * (1 + 1e-9)]:
+        each = [np.geomspace(one.low, one.high, _WITHIN) for one in maxima]
+        near = np.unique(np.concatenate(each))
+        there = answer(near)
+        maxima = [one.among(near, there) for one in maxima]
+        found.append(near)
+    return list(answer(np.unique(np.concatenate(found))) if len(found) > 1 else together)
+
+
+def _maxima(together: Sequence[Responses]) -> list[_Maximum]:
+    """Largest responses between their neighbours, of each damper and level."""
+    found = []
+    for d, responses in enumerate(together):
+        for k in range(len(responses.levels)):
+            size, f = responses.largest_at_each(k), responses.frequency
+            tops = 1 + np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:]))
+            found += [_Maximum(d, k, float(f[i - 1]), float(f[i + 1])) for i in tops]
+    return found

@@ -3,6 +3,7 @@
 import math
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ import numpy as np
 
 from damper3d.case.case import DamperCase
 from damper3d.run.protocol import run_digest
-from damper3d.studies.field.balance import Responses, respond, swept_together
+from damper3d.studies.field.balance import Responses, swept_together, with_peaks
 from damper3d.studies.field.fall import as_rows, falls
 from damper3d.studies.field.runs import Refinement, states, steady_changes, unlike
 from damper3d.studies.field.several import respond_together
@@ -117,9 +118,8 @@ def as_text(results: dict[str, Any]) -> str:
 
 def of_response(structure: Structure, field: Field, responses: Responses) -> list[dict[str, Any]]:
     """Results of each level: largest response with its interval, reduction, jumps; for --json."""
-    edges = [respond(structure, one, responses.frequency, responses.levels)
-             for (one,) in _edges([field])]  # fmt: skip
-    return _levels([responses], [[edge] for edge in edges], [field])[0]
+    edges = _with_edges([structure], [field], responses)
+    return _levels([responses], edges, [field])[0]
 
 
 def of_responses(
@@ -132,20 +132,31 @@ def of_responses(
 
     Each level has a row for each damper under `dampers`.
     """
-    frequency, levels = together[0].frequency, together[0].levels
-    edges = [respond_together(list(structures.values()), moved, frequency, levels)
-             for moved in _edges(fields)]  # fmt: skip
+    levels = together[0].levels
+    edges = _with_edges(list(structures.values()), fields, together[0])
     each = _levels(together, edges, fields)
     return [
         {
             **each[shown][k],
             "dampers": [
-                {"at": name, **{key: value for key, value in own[k].items() if key != "level"}}
-                for name, own in zip(structures, each, strict=True)
+                {"at": name, **{key: value for key, value in one[k].items() if key != "level"}}
+                for name, one in zip(structures, each, strict=True)
             ],
         }
         for k in range(len(levels))
     ]
+
+
+def _with_edges(
+    structures: Sequence[Structure], fields: Sequence[Field], like: Responses
+) -> list[list[Responses]]:
+    """Responses with the ends of the intervals, each with peaks of its own."""
+    sharpest = float(structures[0].damping_ratio.min())
+    return [
+        with_peaks(partial(respond_together, structures, moved, levels=like.levels),
+                   like.frequency, sharpest)
+        for moved in _edges(fields)
+    ]  # fmt: skip
 
 
 def _edges(fields: Sequence[Field]) -> Iterator[list[Field]]:
