@@ -263,6 +263,21 @@ def test_a_peak_at_the_edge_is_looked_for_one_step_further():
     assert verifying.beyond_edge(rows(falling, "failed")) == []
 
 
+def test_a_largest_response_that_stays_at_an_end_of_the_frequencies_is_said(tmp_path):
+    """It rises from 55 to 57 Hz in all packings, so that what lies beyond is not known."""
+    rows = [{"seed": seed, "frequency_hz": f, "host.amplitude_m": 1e-4 * f, "state": "done"}
+            for f in (55.0, 56.0, 57.0) for seed in (1, 2)]  # fmt: skip
+    task = task_of(tmp_path)
+    one = verifying.Verified(Design(Candidate(Bed(task.catalogue[0], 12, 0.03), 0.02, 0.001)))
+    one.note(task, 0, rows)
+    assert one.at_end == {0: (55.0, 57.0)}
+    level = {"level": 0.8, "largest_at_end_of_hz": list(one.at_end[0])}
+    results = {"designs": [{"verified_by_simulation": {"levels": [level]}}], "compared": [],
+               "failed": 0}  # fmt: skip
+    (said,) = remarks(results)
+    assert "at level 0.8 is at an end of the simulated 55 to 57 Hz" in said
+
+
 def test_two_designs_of_a_bed_at_most_are_verified(tmp_path):
     """The best first; those whose field failed are none."""
     ball = task_of(tmp_path).catalogue[0]

@@ -13,7 +13,7 @@ from refusals import assert_refuses
 from damper3d.case.case import DamperCase
 from damper3d.case.parts import GRAVITY
 from damper3d.studies.field.balance import respond, spaced, swept, with_peaks
-from damper3d.studies.field.report import of_response
+from damper3d.studies.field.report import in_words, of_response
 from damper3d.studies.field.structure import Structure, structure_of
 from damper3d.studies.field.table import Field
 
@@ -83,6 +83,41 @@ def test_under_base_motion_the_displacement_is_absolute(name):
     )
     found = respond(host, constant(lambda f: 0.1), TABLE)
     assert found.amplitude[0, :, 0] == pytest.approx(wanted, rel=ROUNDING)
+
+
+def test_on_a_base_of_constant_acceleration_the_peak_is_that_of_the_transmissibility():
+    """|X|/B of M + m at its resonance, sqrt(1 + 4 zeta'^2)/(2 zeta' sqrt(...)) to 2 zeta'^2.
+
+    Its base moves by a/w^2, more at 20 Hz than anything at 40 Hz where the damping is 30 %.
+    """
+    host = Structure.single(MASS, FREQUENCY, 0.3, base_acceleration=1.0)
+    found = respond(host, constant(lambda f: 0.1), spaced(host, 20.0, 80.0))
+    (level,) = of_response(host, constant(lambda f: 0.1), found)
+
+    def transmissibility(mass):
+        w = 2 * math.pi * np.linspace(20.0, 80.0, 20_001)
+        dashpot = 0.3 / RATIO * DASHPOT
+        pulled = STIFFNESS + 1j * w * dashpot
+        return np.abs(pulled / (STIFFNESS - w**2 * (MASS + mass) + 1j * w * dashpot)).max()
+
+    assert level["reduction_of"] == "transmissibility"
+    assert level["reduction"] == pytest.approx(
+        transmissibility(0.1) / transmissibility(0.0), rel=1e-4
+    )
+    assert 30.0 < level["peak_frequency_hz"] < 40.0
+    assert level["largest_at_end"] == []
+
+
+def test_a_largest_response_at_the_end_of_the_frequencies_is_no_peak_and_is_said_so():
+    """The structure's peak, with 5 % of mass riding, lies at 39.0 Hz: below 39.5 to 60 Hz."""
+    field = constant(lambda f: 0.1)
+    ends = {}
+    for low in (39.5, 30.0):
+        (level,) = of_response(HOST, field, respond(HOST, field, spaced(HOST, low, 60.0)))
+        ends[low] = level["largest_at_end"]
+        said = "warning: largest response with the bed at an end of 39.5 to 60 Hz"
+        assert (said in in_words([level])) == (low == 39.5)
+    assert ends == {39.5: ["bed"], 30.0: []}
 
 
 def test_two_modes_and_a_rigid_mass_are_those_of_the_matrices():

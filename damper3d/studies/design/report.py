@@ -71,7 +71,8 @@ def as_dict(
         "dissipated_power_w": _largest(own, design, "dissipated_power_w"),
         "verified_by_simulation": None if own is None or not simulated else {
             "levels": [
-                {"level": task.spec.level.range[level], "reductions": list(seen.values())}
+                {"level": task.spec.level.range[level], "reductions": list(seen.values()),
+                 "largest_at_end_of_hz": own.at_end.get(level)}
                 for level, seen in sorted(own.levels.items())
             ],
             "reduction": mean,
@@ -152,7 +153,7 @@ def in_words(results: dict[str, Any]) -> str:
 
 
 def remarks(results: dict[str, Any]) -> list[str]:
-    """Remarks on a design: one that is better than the first, runs that were unsteady or failed."""
+    """Remarks on a design: a better one, a peak that was not reached, runs unsteady or failed."""
     best, found = results["designs"][0], []
     means = [(geometric_mean(one["reductions"]), one["what"], one["words"])
              for one in results["compared"] if one["reductions"]]  # fmt: skip
@@ -163,6 +164,14 @@ def remarks(results: dict[str, Any]) -> list[str]:
                      f"{least:.3f} against {own:.3f}")  # fmt: skip
     if number := (best["verified_by_simulation"] or {}).get("not_steady"):
         found.append(f"{number} of its runs with the structure ended before they were steady")
+    for one in (best["verified_by_simulation"] or {}).get("levels", ()):
+        if one["largest_at_end_of_hz"]:
+            low, high = one["largest_at_end_of_hz"]
+            found.append(
+                f"its largest response at level {one['level']:g} is at an end of the simulated "
+                f"{low:g} to {high:g} Hz, and may be larger beyond: simulate it there (damper3d "
+                "response HOST --simulate --frequencies)"
+            )
     if results["failed"]:
         found.append(f"{results['failed']} candidates are left out, whose runs failed")
     return found

@@ -30,10 +30,15 @@ class Verified:
     # Of each level, by its number in the task, peak over the bare structure's; of each seed.
     levels: dict[int, dict[int, float]] = field(default_factory=dict)
     rows: Rows = field(default_factory=list)
+    # Of a level whose largest response stayed at an end of the simulated frequencies, these [Hz].
+    at_end: dict[int, tuple[float, float]] = field(default_factory=dict)
 
     def note(self, task: Task, level: int, rows: Rows) -> None:
         """Take the rows of a level."""
         self.levels[level] = _reductions(task, level, rows)
+        if beyond_edge(rows):
+            each = [row["frequency_hz"] for row in rows]
+            self.at_end[level] = min(each), max(each)
         self.rows += rows
 
     @property

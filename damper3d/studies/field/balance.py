@@ -52,6 +52,7 @@ class Responses:
     # lack for no known reason (f,).
     said: Truths | None = None
     lost: Truths | None = None
+    base: Floats | None = None  # amplitude of a base that moves, at level 1 (f,) [m]
 
     @cached_property
     def count(self) -> NDArray[np.int64]:
@@ -71,16 +72,26 @@ class Responses:
         return np.where(self.is_stable, self.amplitude, math.nan)
 
     def largest(self, level: int) -> tuple[float, float] | None:
-        """Frequency [Hz] and amplitude [m] of the largest stable response; None where unknown."""
+        """Frequency [Hz] and amplitude [m] of the largest stable response; None where unknown.
+
+        On a base that moves, of the largest transmissibility.
+        """
         if self.beyond[level].any():
             return None
-        each = self.largest_at_each(level)
-        at = int(np.argmax(each))
-        return float(self.frequency[at]), float(each[at])
+        at = int(np.argmax(self.over_base(self.largest_at_each(level))))
+        return float(self.frequency[at]), float(self.largest_at_each(level)[at])
 
     def largest_at_each(self, level: int) -> Floats:
         """Largest stable amplitude at each frequency (f,) [m]; 0 where none is known."""
         return np.asarray(np.nan_to_num(self.stable[level]).max(axis=1, initial=0.0))
+
+    def over_base(self, amplitude: Floats) -> Floats:
+        """Amplitudes (f,) [m] over that of a base which moves at level 1 [-]; else themselves."""
+        return amplitude if self.base is None else amplitude / self.base
+
+    def is_end(self, frequency: float) -> bool:
+        """True for the first and the last frequency, where a largest value is no peak."""
+        return frequency in (self.frequency[0], self.frequency[-1])
 
 
 def respond(
@@ -107,7 +118,8 @@ def closed_form(
     found = _roots(gamma * length, left, squares, right)
     with np.errstate(divide="ignore"):
         bare = np.abs(structure.bare(frequency)) * levels[:, None]
-    return Responses(levels, frequency, bare, found, squares[:, -1] < right)
+    beyond, base = squares[:, -1] < right, structure.base(frequency)
+    return Responses(levels, frequency, bare, found, beyond, base=base if base.any() else None)
 
 
 def _roots(at: Floats, left: Any, squares: Floats, right: Floats) -> Floats:
@@ -236,7 +248,9 @@ class _Maximum:
     def among(self, frequency: Floats, together: Sequence[Responses]) -> "_Maximum":
         """The same between the neighbours of the largest at frequencies, which it is within."""
         inside = np.flatnonzero((self.low <= frequency) & (frequency <= self.high))
-        top = int(inside[np.argmax(together[self.damper].largest_at_each(self.level)[inside])])
+        own = together[self.damper]
+        size = own.over_base(own.largest_at_each(self.level))
+        top = int(inside[np.argmax(size[inside])])
         first, last = max(top - 1, inside[0]), min(top + 1, inside[-1])
         return replace(self, low=float(frequency[first]), high=float(frequency[last]))
 
@@ -265,7 +279,7 @@ def _maxima(together: Sequence[Responses]) -> list[_Maximum]:
     found = []
     for d, responses in enumerate(together):
         for k in range(len(responses.levels)):
-            size, f = responses.largest_at_each(k), responses.frequency
+            size, f = responses.over_base(responses.largest_at_each(k)), responses.frequency
             tops = 1 + np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:]))
             found += [_Maximum(d, k, float(f[i - 1]), float(f[i + 1])) for i in tops]
     return found

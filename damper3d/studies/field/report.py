@@ -177,24 +177,48 @@ def _levels(
     for k, level in enumerate(together[0].levels.tolist()):
         up, down = (swept_together(together, k, down)[1] for down in (False, True))
         for d, responses in enumerate(together):
-            peak, bare = responses.largest(k), float(responses.bare[k].max())
             ends = [edge[d].largest(k) for edge in edges]
-            sizes = [end[1] for end in ends if end]
             found[d].append(
                 {
                     "level": level,
-                    "peak_frequency_hz": peak and peak[0],
-                    "peak_amplitude_m": peak and peak[1],
-                    "peak_interval_m": [f(sizes) for f in (min, max)]
-                    if known and len(sizes) == len(ends) else None,
-                    "bare_peak_amplitude_m": bare if math.isfinite(bare) else None,
-                    "reduction": peak[1] / bare if peak and math.isfinite(bare) else None,
+                    **_peaks(responses, k),
+                    "peak_interval_m": _interval(ends) if known else None,
                     "most_solutions": int(responses.count[k].max()),
                     "beyond_field_hz": _span(responses.frequency[responses.beyond[k]]),
                     "jumps": [vars(jump) for jump in (*up[d], *down[d])],
                 }
-            )  # fmt: skip
+            )
     return found
+
+
+def _peaks(responses: Responses, level: int) -> dict[str, Any]:
+    """Largest responses of a level, with the bed and bare, and the one over the other.
+
+    On a base that moves these are those of the transmissibility, amplitude over the base's, as the
+    base's own may depend on the frequency.
+    """
+    peak, bare = responses.largest(level), responses.bare[level]
+    size = responses.over_base(bare)
+    top = int(np.argmax(size))
+    known = peak is not None and math.isfinite(bare[top])
+    own = responses.over_base(responses.largest_at_each(level)).max()
+    ends = {"bed": peak is not None and responses.is_end(peak[0]),
+            "bare": responses.is_end(float(responses.frequency[top]))}  # fmt: skip
+    return {
+        "peak_frequency_hz": peak and peak[0],
+        "peak_amplitude_m": peak and peak[1],
+        "bare_peak_amplitude_m": _finite(bare[top]),
+        "reduction": float(own / size[top]) if known else None,
+        "reduction_of": "amplitude" if responses.base is None else "transmissibility",
+        "largest_at_end": [name for name, is_end in ends.items() if is_end],
+        "between_hz": [float(responses.frequency[0]), float(responses.frequency[-1])],
+    }
+
+
+def _interval(ends: Sequence[tuple[float, float] | None]) -> list[float] | None:
+    """Least and greatest amplitude [m] of the ends of an interval, where all are known."""
+    sizes = [end[1] for end in ends if end]
+    return [min(sizes), max(sizes)] if len(sizes) == len(ends) else None
 
 
 def _span(frequency: Any) -> list[float] | None:
@@ -231,12 +255,28 @@ def _table(levels: list[dict[str, Any]]) -> list[str]:
             f"{start}{_millimetres(one['peak_amplitude_m']):>14}  {between:20}"
             f"{one['peak_frequency_hz']:7.4g} Hz{reduction:>11}"
         )
+        lines += _at_ends(one)
         lines += [
             f"{'':10}jump as the frequency goes {jump['direction']}: at {jump['frequency']:.4g} Hz "
             f"from {_millimetres(jump['before'])} to {_millimetres(jump['after'])}"
             for jump in one["jumps"]
         ]
+    if levels[0]["reduction_of"] == "transmissibility":
+        lines.append(f"{'':10}reduction: of the transmissibility, amplitude over that of the base")
     return lines
+
+
+def _at_ends(one: dict[str, Any]) -> list[str]:
+    """A warning where the largest responses of a level are at the ends of the frequencies."""
+    if not one["largest_at_end"]:
+        return []
+    low, high = one["between_hz"]
+    words = {"bed": "with the bed", "bare": "bare"}
+    where = " and ".join(words[name] for name in one["largest_at_end"])
+    return [
+        f"{'':10}warning: largest response {where} at an end of {low:g} to {high:g} Hz, no peak: "
+        "widen --between, or the field (damper3d field --frequencies)"
+    ]
 
 
 def _millimetres(length: float | None) -> str:

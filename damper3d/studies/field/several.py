@@ -69,12 +69,13 @@ def respond_together(
     amplitude, stable, beyond, lost = followed(leads, knots, frequency, levels)  # (g, l, f, s)
     each = {d: ratio * own for group, own in zip(groups, amplitude, strict=True)
             for d, ratio in group.ratios.items()}  # fmt: skip
-    order = np.argsort(each[0], axis=2)  # NaN last
+    order, base = np.argsort(each[0], axis=2), structures[0].base(frequency)  # NaN last
     stable = np.take_along_axis(stable, order, axis=2)
     return [
         Responses(
             levels, frequency, _bare(structure, frequency, levels),
             np.take_along_axis(each[d], order, axis=2), beyond, stable, lost,
+            base=base if base.any() else None,
         )
         for d, structure in enumerate(structures)
     ]  # fmt: skip

@@ -64,10 +64,16 @@ class Structure:
         The first two over w^2: psi_r F0/w^2 + p_r B [kg^0.5 m].
         """
         w = 2.0 * math.pi * np.asarray(frequency, float)[:, None]
+        base = self.base(frequency)
         damping = 2j * self.damping_ratio * self.omega * w
         d = np.asarray((self.omega**2 - w**2 + damping) / w**2, complex)
-        base = self.base_displacement + self.base_acceleration / w**2
-        return d, self.force_shape * self.force / w**2 + self.participation * base, base[:, 0]
+        driven = self.force_shape * self.force / w**2 + self.participation * base[:, None]
+        return d, driven, base
+
+    def base(self, frequency: ArrayLike) -> Floats:
+        """Amplitude B of the base (f,) at frequencies (f,) [Hz]; 0 where it stands still."""
+        w = 2.0 * math.pi * np.asarray(frequency, float)
+        return np.asarray(self.base_displacement + self.base_acceleration / w**2)
 
     def products(self, frequency: ArrayLike) -> tuple[Complexes, Complexes, Complexes]:
         """P, H P and X_b P at frequencies (f,) [Hz], each d_r divided by w^2."""
