@@ -238,6 +238,22 @@ def test_the_interval_of_the_peak_is_that_of_the_mass():
     assert [low, level["peak_amplitude_m"], high] == pytest.approx(wanted, rel=5e-3)
 
 
+@pytest.mark.parametrize(("gamma", "is_known"), [(0.5, False), (3.0, False), (50.0, True)])
+def test_a_peak_has_an_interval_where_all_points_have_one_that_it_comes_of(gamma, is_known):
+    """It lies at 39 Hz and a Gamma of 1.7 with a level of 0.4, so that the points of Gamma 0.5
+    and 3 at 35 and 40 Hz make its mass; those of Gamma 50 do not.
+    """
+    plain = constant(lambda f: 0.1 - 0.05j)
+    width = np.where(plain.gamma == gamma, math.nan, 0.01)
+    field = replace(plain, in_phase_half_width=width, out_of_phase_half_width=width)
+    found = respond(HOST, field, spaced(HOST, 36.0, 42.0), (0.4,))
+    (level,) = of_response(HOST, field, found)
+    motion = level["peak_amplitude_m"] * (2 * math.pi * level["peak_frequency_hz"]) ** 2
+    assert 0.5 < motion / GRAVITY < 3.0
+    assert (level["peak_interval_m"] is not None) == is_known
+    assert field.has_interval(35.0, 4.0 * GRAVITY / (2 * math.pi * 35.0) ** 2) == (gamma == 0.5)
+
+
 HOSTED = {"host.mass": "2 kg", "host.frequency": 40.0, "host.damping_ratio": 0.005}
 
 

@@ -76,10 +76,17 @@ class Responses:
 
         On a base that moves, of the largest transmissibility.
         """
+        found = self.place(level)
+        if found is None:
+            return None
+        return float(self.frequency[found[0]]), float(self.amplitude[level][found])
+
+    def place(self, level: int) -> tuple[int, int] | None:
+        """Numbers of frequency and solution of the largest stable response; None where unknown."""
         if self.beyond[level].any():
             return None
         at = int(np.argmax(self.over_base(self.largest_at_each(level))))
-        return float(self.frequency[at]), float(self.largest_at_each(level)[at])
+        return at, int(np.argmax(np.nan_to_num(self.stable[level, at])))
 
     def largest_at_each(self, level: int) -> Floats:
         """Largest stable amplitude at each frequency (f,) [m]; 0 where none is known."""

@@ -173,16 +173,14 @@ def _levels(
 ) -> list[list[dict[str, Any]]]:
     """Results of each damper and level; edges: the responses with the ends of the intervals."""
     found: list[list[dict[str, Any]]] = [[] for _ in together]
-    known = any(np.isfinite(field.in_phase_half_width).any() for field in fields)
     for k, level in enumerate(together[0].levels.tolist()):
         up, down = (swept_together(together, k, down)[1] for down in (False, True))
         for d, responses in enumerate(together):
-            ends = [edge[d].largest(k) for edge in edges]
             found[d].append(
                 {
                     "level": level,
                     **_peaks(responses, k),
-                    "peak_interval_m": _interval(ends) if known else None,
+                    "peak_interval_m": _interval([together, *edges], fields, d, k),
                     "most_solutions": int(responses.count[k].max()),
                     "beyond_field_hz": _span(responses.frequency[responses.beyond[k]]),
                     "jumps": [vars(jump) for jump in (*up[d], *down[d])],
@@ -215,10 +213,25 @@ def _peaks(responses: Responses, level: int) -> dict[str, Any]:
     }
 
 
-def _interval(ends: Sequence[tuple[float, float] | None]) -> list[float] | None:
-    """Least and greatest amplitude [m] of the ends of an interval, where all are known."""
-    sizes = [end[1] for end in ends if end]
-    return [min(sizes), max(sizes)] if len(sizes) == len(ends) else None
+def _interval(
+    each: Sequence[Sequence[Responses]], fields: Sequence[Field], damper: int, level: int
+) -> list[float] | None:
+    """Least and greatest amplitude [m] of a damper's largest response at the ends of the intervals.
+
+    each: the responses by the fields themselves, then with the ends. None where one is not known,
+    or comes of a point of a field that has no interval.
+    """
+    sizes = []
+    for together in each:
+        found = together[damper].place(level)
+        if found is None:
+            return None
+        frequency = float(together[damper].frequency[found[0]])
+        for field, own in zip(fields, together, strict=True):
+            if not field.has_interval(frequency, float(own.amplitude[level][found])):
+                return None
+        sizes.append(float(together[damper].amplitude[level][found]))
+    return [min(sizes[1:]), max(sizes[1:])]
 
 
 def _span(frequency: Any) -> list[float] | None:

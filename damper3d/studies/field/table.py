@@ -168,6 +168,19 @@ class Field:
         g, m = np.append(0.0, self.gamma[own]), self.mass[own]
         return np.interp(gammas, g, np.append(0.0, m * g[1:])) * np.maximum(gammas / g[-1], 1.0)
 
+    def has_interval(self, frequency: float, amplitude: float) -> bool:
+        """True where all points have intervals that the mass at such a motion [Hz, m] comes of."""
+        gamma = amplitude * (2.0 * math.pi * frequency) ** 2 / GRAVITY
+        known = np.isfinite(self.in_phase_half_width) & np.isfinite(self.out_of_phase_half_width)
+        above = int(np.searchsorted(self.frequencies, frequency))
+        exact = above < len(self.frequencies) and self.frequencies[above] == frequency
+        for each in self.frequencies[above if exact else above - 1 : above + 1]:
+            own = np.flatnonzero(self.frequency == each)
+            k = int(np.searchsorted(self.gamma[own], gamma))
+            if not known[own[max(k - 1, 0) : k + 1]].all():
+                return False
+        return True
+
     def at(self, frequency: float, amplitude: float) -> complex:
         """m' - i m'' [kg] at a frequency [Hz] and amplitude of the enclosure [m].
 
