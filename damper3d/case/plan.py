@@ -6,6 +6,7 @@ from typing import Any
 from damper3d.case.case import GRAVITY, DamperCase
 from damper3d.case.closed_forms import fluidisation_threshold
 from damper3d.case.contacts import Pairing
+from damper3d.case.excitation.excitation import peaks_of
 from damper3d.case.oscillation import DEEPEST
 from damper3d.case.parameters import SAFE_SHARE
 from damper3d.engine import state
@@ -25,6 +26,7 @@ _GROWING = 3000  # steps of a random start
 # at 20, 40 and 80 Hz and Gamma 2 to 40, which it meets to a quarter.
 _SETTLED, _THROWN, _STIRRED = 2.5, 0.75, 0.3
 _WRITING = 0.5  # [s]
+_NOT_MUCH = 0.05  # of a signal's largest value, that its start or its mean may be without a warning
 # Particles times steps between checkpoints, some seconds of work: a checkpoint must not depend on
 # how fast a machine is, and in the short runs of a map it would cost more than it saves.
 CHECKPOINT_WORK = 2e8
@@ -187,8 +189,31 @@ def warnings(case: DamperCase) -> list[str]:
             f"the amplitude grows over {motion.ramp:g} cycles and only {run.discard} are left out: "
             "the efficiency is low, as it is taken over the full amplitude; discard as many"
         )
+    found += _signal_warnings(case)
     found += _still_bed_warning(case)
     found += [line for pair in CLASSES for line in _impact_warnings(case, pair)]
+    return found
+
+
+def _signal_warnings(case: DamperCase) -> list[str]:
+    """Warnings where a measured motion begins with a kick, or was measured with an offset."""
+    own = case.excitation
+    if own is None or own.taken_off is None:
+        return []
+    found, (offset, _) = [], own.taken_off
+    start, peaks = abs(float(own.motion.rate[0])), peaks_of(own)
+    if start > _NOT_MUCH * peaks.speed:
+        found.append(
+            f"[excitation] the signal begins at {start:.3g} m/s, {100 * start / peaks.speed:.0f} % "
+            "of its largest velocity, a kick to the bed at rest: give a record that begins at "
+            "rest, or integration = 'as_measured', which starts an acceleration from rest"
+        )
+    if abs(offset) > _NOT_MUCH * peaks.acceleration:
+        found.append(
+            f"[excitation] a mean of {offset:.3g} m/s2 is taken off the measured acceleration, "
+            f"{100 * abs(offset) / peaks.acceleration:.0f} % of its largest: an offset of the "
+            "instrument, or a pulse that integration = 'as_measured' keeps"
+        )
     return found
 
 

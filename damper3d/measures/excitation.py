@@ -40,8 +40,13 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
         ),
         "most_energy_j": float(most[-1] - most[cycles.first]),
         "band_error_db": own.band_error,
+        "taken_off": None if own.taken_off is None else {
+            "mean_acceleration_m_s2": own.taken_off.acceleration,
+            "mean_velocity_m_s": own.taken_off.velocity,
+            "start_velocity_m_s": float(own.motion.rate[0]),
+        },
         "sweep": None if own.sweep is None else swept(cycles),
-    }
+    }  # fmt: skip
 
 
 def _acceleration(velocity: np.ndarray, time: np.ndarray) -> np.ndarray:

@@ -101,6 +101,12 @@ def _excited(excitation: Excitation) -> str:
     windows = f"{excitation.windows} windows of {excitation.window:.4g} s"
     error = excitation.band_error
     bands = "" if error is None else f", third octaves within {error:.2g} dB of the table"
+    if excitation.taken_off is not None:
+        offset, drift = excitation.taken_off
+        bands = (
+            f", means of {offset:.3g} m/s2 and {drift:.3g} m/s taken off, begins at "
+            f"{excitation.motion.rate[0]:.3g} m/s"
+        )
     return f"{excitation.words}, {windows}{bands}"
 
 

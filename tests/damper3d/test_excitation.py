@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from damper3d.case.excitation import forms
 from damper3d.case.excitation.excitation import excitation_of
 from damper3d.case.excitation.forms import Lines, Size, Sweep
-from damper3d.case.excitation.recorded import Signal, motion_of
+from damper3d.case.excitation.recorded import Signal, means_of, motion_of
 from damper3d.case.host.host import bare_rows
 from damper3d.case.host.modes import Modes
 from damper3d.case.settings import Settings
@@ -136,6 +136,9 @@ def test_a_measured_acceleration_gives_back_the_motion_it_was_measured_on():
     motion = motion_of(signal, balanced=True)
     wanted = 1e-3 * np.sin(omega * time)
     assert np.allclose(motion.place - motion.place.mean(), wanted, atol=1e-3 * (omega * h) ** 2)
+    off = means_of(signal, balanced=True)
+    assert off.acceleration == pytest.approx(2.0, rel=1e-12)
+    assert -off.velocity == pytest.approx(1e-3 * omega, rel=1e-3) == motion.rate[0]
     as_measured = motion_of(signal, balanced=False)
     assert as_measured.rate[-1] == pytest.approx(2.0 * 2.0, rel=1e-3)  # the offset's velocity
 

@@ -11,8 +11,10 @@ from small_damper import damper3d, write_damper
 from small_silo import DRY, the_run
 
 from damper3d.case.case import DamperCase
+from damper3d.case.plan import warnings
 from damper3d.case.settings import Excitation
 from damper3d.run import protocol
+from damper3d.view.report import echo
 from granulab.errors import Stopped
 
 PLAIN = dict.fromkeys(
@@ -185,6 +187,32 @@ def test_a_case_in_a_run_folder_is_the_case_itself(changes, tmp_path):
     again = DamperCase.load(folder / "case.toml")
     assert protocol.run_digest(again) == protocol.run_digest(case)
     assert again.peaks == case.peaks
+
+
+def test_a_recording_that_begins_with_a_kick_or_has_an_offset_is_warned_of(tmp_path):
+    """A sine a of acceleration has a/omega = 0.156 m/s at its start; a cosine none.
+
+    The trapezoidal rule takes (w h)^2/12 of it. An offset of 0.8 g is a tenth of 8 g.
+    """
+
+    def told(values, **more):
+        rows = "\n".join(f"{k / 2000:.6f},{v:.9f}" for k, v in enumerate(values))
+        (tmp_path / "signal.csv").write_text(f"time [s],acceleration [g]\n{rows}\n", "utf-8")
+        case = load(tmp_path, {**SIGNAL, **more})
+        about = [line for line in warnings(case) if "[excitation]" in line]
+        return about, echo(case, dry_run=True)
+
+    angle = 2.0 * np.pi * 80.0 * np.arange(201) / 2000.0  # eight cycles
+    kicks, printed = told(8.0 * np.sin(angle))
+    assert len(kicks) == 1
+    assert "begins at 0.155 m/s, 100 % of its largest velocity" in kicks[0]
+    assert "begins at -0.155 m/s" in printed
+    assert told(8.0 * np.sin(angle), **{"excitation.integration": "as_measured"})[0] == []
+    assert told(8.0 * np.cos(angle))[0] == []
+    offset, _ = told(8.0 * np.cos(angle) + 0.8)
+    assert len(offset) == 1
+    assert "a mean of 7.85 m/s2 is taken off" in offset[0]
+    assert "10 %" in offset[0]
 
 
 CROSSED = {**SINES, "excitation.across": [1, 0, 0], "excitation.across_amplitudes": ["1 g", "1 g"]}

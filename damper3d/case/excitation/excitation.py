@@ -15,8 +15,10 @@ from damper3d.case.excitation import forms
 from damper3d.case.excitation.forms import Lines, Size, Sweep, quantity
 from damper3d.case.excitation.recorded import (
     COPY,
+    Means,
     breakpoints,
     highest_frequency,
+    means_of,
     motion_of,
     read_signal,
 )
@@ -70,6 +72,7 @@ class Excitation:
     rim: float | None = None  # largest distance from the axis [m], of a rotation
     band_error: float | None = None  # largest of a random signal's third octaves [dB]
     breakpoints: list[list[float]] | None = None  # of its density, as given
+    taken_off: Means | None = None  # of a measured motion
     identity: tuple[Any, ...] = ()  # its numbers, for the name of a run
     files: dict[str, str] = field(default_factory=dict)  # for the run folder
 
@@ -410,6 +413,7 @@ def _signal(keys: Keys, on: str, folder: Path) -> Excitation:
     return Excitation(
         "signal", on, motion_of(signal, balanced), signal.length / windows, windows, 0, highest,
         identity=(signal.values, signal.spacing, signal.unit, balanced),
+        taken_off=None if on == "force" else means_of(signal, balanced),
         files={COPY: signal.as_csv()},
     )  # fmt: skip
 

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -139,21 +139,39 @@ def motion_of(signal: Signal, balanced: bool) -> Table:
     velocity, is taken off first, so that the enclosure ends near where it began; else it starts
     from rest. The displacement begins at 0.
     """
-    values, h = signal.values, signal.spacing
+    values, h, off = signal.values, signal.spacing, means_of(signal, balanced)
     if signal.unit in ("m", "N"):
         moved = values - values[0] if signal.unit == "m" else values
         return Table(moved, np.gradient(moved, h), h)
-    velocity = values
-    if signal.unit == "m/s2":
-        velocity = _integral(_balanced(values) if balanced else values, h)
-    if balanced:
-        velocity = _balanced(velocity)
+    velocity = _integral(values - off.acceleration, h) if signal.unit == "m/s2" else values
+    velocity = velocity - off.velocity
     return Table(_integral(velocity, h), velocity, h)
 
 
-def _balanced(values: np.ndarray) -> np.ndarray:
-    """The values less their mean in time."""
-    return np.asarray(values - np.trapezoid(values) / (len(values) - 1))
+class Means(NamedTuple):
+    """Means in time that are taken off a measured signal."""
+
+    acceleration: float  # [m/s2]
+    velocity: float  # [m/s]
+
+
+def means_of(signal: Signal, balanced: bool) -> Means:
+    """What `balanced` takes off an acceleration and its velocity, or a velocity; else nothing.
+
+    An enclosure begins at the velocity that is taken off, the other way round.
+    """
+    if not balanced or signal.unit in ("m", "N"):
+        return Means(0.0, 0.0)
+    acceleration, velocity = 0.0, signal.values
+    if signal.unit == "m/s2":
+        acceleration = _mean(signal.values)
+        velocity = _integral(signal.values - acceleration, signal.spacing)
+    return Means(acceleration, _mean(velocity))
+
+
+def _mean(values: np.ndarray) -> float:
+    """Mean in time."""
+    return float(np.trapezoid(values) / (len(values) - 1))
 
 
 def _integral(values: np.ndarray, h: float) -> np.ndarray:
