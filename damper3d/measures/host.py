@@ -5,10 +5,14 @@ that of the viscous damper between the structure and the ground that takes as mu
 motion, over twice the mass and angular frequency of the mode that is nearest to the excitation:
 
     zeta_added = W/(2 m w integral x'^2 dt),    W the enclosure's work on the bed
+
+Under an excitation that is no sine it is the mode with the largest share of the bare response. A
+mode that does not move the damper has none.
 """
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -34,6 +38,33 @@ def added_damping_ratio(samples: Samples, mode_mass: float, omega: float) -> flo
     time = np.diff(samples["time"])
     square = float((0.5 * (speed[1:] ** 2 + speed[:-1] ** 2) * time).sum())
     return work / (2.0 * mode_mass * omega * square)
+
+
+def added_to_mode(cycles: Cycles, mode: int) -> dict[str, float | None]:
+    """Damping ratio that the bed adds to a mode, by its number, and the mode's frequency [Hz]."""
+    modes = cycles.case.modes
+    assert modes is not None
+    shape, omega = float(modes.shape[mode]), float(modes.omega[mode])
+    ratio = added_damping_ratio(cycles.counted, shape**-2.0, omega) if shape else None
+    return {"added_damping_ratio": ratio, "added_damping_mode_hz": omega / (2.0 * math.pi)}
+
+
+def leading_mode(cycles: Cycles) -> int:
+    """Number of the mode whose bare response alone has the largest mean square over the windows.
+
+    On a base that moves, of the displacements relative to it.
+    """
+    case, time = cycles.case, cycles.samples["time"]
+    assert case.modes is not None
+    assert case.excitation is not None
+    base = case.excitation.base_displacement(time)
+    squares = [
+        float(
+            np.mean((replace(case, modes=case.modes.only(r)).bare_displacement(time) - base) ** 2)
+        )
+        for r in range(len(case.modes.omega))
+    ]
+    return int(np.argmax(squares))
 
 
 def decay_times(time: np.ndarray, energy: np.ndarray) -> dict[str, float | None]:
@@ -85,7 +116,6 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
     if case.excitation is not None:
         return _under_excitation(cycles)
     mode = case.modes.nearest(2.0 * math.pi / case.period)
-    mass, omega = float(case.modes.shape[mode] ** -2.0), float(case.modes.omega[mode])
     amplitude = None if case.is_decay else cycles.amplitude
     return {
         "amplitude_m": amplitude,
@@ -93,7 +123,7 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
         "rms_m": float(np.sqrt(np.mean(counted["displacement"][1:] ** 2))),
         "bare_amplitude_m": case.amplitude,
         "reduction": None if amplitude is None else amplitude / case.amplitude,
-        "added_damping_ratio": added_damping_ratio(counted, mass, omega),
+        **added_to_mode(cycles, mode),
         "decay_times_s": (
             decay_times(samples["time"], samples["host_energy"]) if case.is_decay else None
         ),
@@ -109,8 +139,7 @@ def _under_excitation(cycles: Cycles) -> dict[str, Any]:
     case, samples, counted = cycles.case, cycles.samples, cycles.counted
     assert case.modes is not None
     assert case.excitation is not None
-    mode = case.modes.nearest(0.0)
-    mass, omega = float(case.modes.shape[mode] ** -2.0), float(case.modes.omega[mode])
+    mode = leading_mode(cycles)
     bare, whole = _both(cycles)
     own = whole[-len(counted["time"]) :]
     bare_rms = float(np.sqrt(np.mean(bare[-len(own) + 1 :] ** 2)))
@@ -118,7 +147,14 @@ def _under_excitation(cycles: Cycles) -> dict[str, Any]:
     shocked = case.excitation.kind == "shock"
     # 4.34/sqrt(B T) dB of a resonance of B = pi zeta f, seen for a time T
     ratio = float(case.modes.damping_ratio[mode])
-    seen = 0.5 * ratio * omega * case.period * (len(own) - 1) / cycles.per_cycle
+    seen = (
+        0.5
+        * ratio
+        * float(case.modes.omega[mode])
+        * case.period
+        * (len(own) - 1)
+        / cycles.per_cycle
+    )
     noisy = case.excitation.kind == "random" and seen > 0
     return {
         "amplitude_m": None,
@@ -128,7 +164,7 @@ def _under_excitation(cycles: Cycles) -> dict[str, Any]:
         "bare_amplitude_m": float(np.abs(bare).max()),
         "reduction": rms / bare_rms,
         "bare_scatter_db": 4.34 / math.sqrt(seen) if noisy else None,
-        "added_damping_ratio": added_damping_ratio(counted, mass, omega),
+        **added_to_mode(cycles, mode),
         "decay_times_s": _after_pulse(cycles) if shocked else None,
         "energy_closure": closure_of([samples], [case.weight]),
     }
@@ -236,18 +272,24 @@ def in_words(found: dict[str, Any]) -> str:
         return (
             f"rms {1e3 * found['rms_m']:.4g} mm, {found['reduction']:.3g} of the bare "
             f"{1e3 * found['bare_rms_m']:.4g} mm{scatter}; largest {1e3 * found['peak_m']:.4g} mm, "
-            f"bare {1e3 * found['bare_amplitude_m']:.4g} mm"
+            f"bare {1e3 * found['bare_amplitude_m']:.4g} mm; {_added_in_words(found)}"
         )
     if found["decay_times_s"] is None:
         return (
             f"amplitude {1e3 * found['amplitude_m']:.4g} mm, {found['reduction']:.3g} of the bare "
-            f"{1e3 * found['bare_amplitude_m']:.4g} mm; damping ratio "
-            f"{found['added_damping_ratio']:.3g} added"
+            f"{1e3 * found['bare_amplitude_m']:.4g} mm; {_added_in_words(found)}"
         )
     times = [
         f"{key} after {time:.4g} s" for key, time in found["decay_times_s"].items()
         if time is not None
     ]  # fmt: skip
     start, reached = 1e3 * found["bare_amplitude_m"], ", ".join(times) or "nothing yet"
-    added = found["added_damping_ratio"]
-    return f"decay from {start:.4g} mm to {reached}; damping ratio {added:.3g} added"
+    return f"decay from {start:.4g} mm to {reached}; {_added_in_words(found)}"
+
+
+def _added_in_words(found: dict[str, Any]) -> str:
+    added, own = found["added_damping_ratio"], found.get("added_damping_mode_hz")
+    mode = "the mode" if own is None else f"the mode at {own:.4g} Hz"
+    if added is None:
+        return f"no damping ratio, as {mode} does not move the damper"
+    return f"damping ratio {added:.3g} added to {mode}"

@@ -110,11 +110,14 @@ def _excited(excitation: Excitation) -> str:
     return f"{excitation.words}, {windows}{bands}"
 
 
+def _mass_at_damper(shape: float) -> str:
+    return f"mass {shape**-2.0:.4g} kg at the damper" if shape else "does not move the damper"
+
+
 def _host_lines(case: DamperCase, modes: Modes) -> list[str]:
     """The modes of a host, what moves it, and what it does without the damper."""
     lines = [
-        f"mass {shape**-2.0:.4g} kg at the damper, {omega / (2.0 * np.pi):.4g} Hz, damping ratio "
-        f"{ratio:g}"
+        f"{_mass_at_damper(shape)}, {omega / (2.0 * np.pi):.4g} Hz, damping ratio {ratio:g}"
         for shape, omega, ratio in zip(modes.shape, modes.omega, modes.damping_ratio, strict=True)
     ]
     if case.arc is not None:

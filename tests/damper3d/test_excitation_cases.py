@@ -13,6 +13,8 @@ from small_silo import DRY, the_run
 from damper3d.case.case import DamperCase
 from damper3d.case.plan import warnings
 from damper3d.case.settings import Excitation
+from damper3d.measures import host
+from damper3d.measures.counted import Cycles
 from damper3d.run import protocol
 from damper3d.view.report import echo
 from granulab.errors import Stopped
@@ -296,6 +298,28 @@ def test_an_enclosure_that_turns_gives_the_energy_that_the_bed_takes(tmp_path):
     assert turned.dissipated_power_w > 0
     rim = 0.01 * np.deg2rad(20.0) * 2.0 * np.pi * 80.0
     assert turned.excitation["peak_velocity_m_s"] == pytest.approx(rim, rel=1e-6)
+
+
+@pytest.mark.parametrize(("shapes", "wanted"), [((0.05, 3.0), 1), ((3.0, 0.05), 0), ((0, 3), 1)])
+def test_the_added_damping_is_that_of_the_mode_with_most_of_the_bare_response(
+    shapes, wanted, tmp_path
+):
+    """A sweep over both modes: their responses go as the square of the shape, here over 3600."""
+    rows = [f"{f},0.02,{shape}" for f, shape in zip((70, 110), shapes, strict=True)]
+    head = "frequency [Hz],damping_ratio,shape [kg^-0.5]"
+    (tmp_path / "modes.csv").write_text("\n".join([head, *rows]) + "\n", "utf-8")
+    case = load(tmp_path, {**SWEEP, "host.modes": "modes.csv", "excitation.amplitude": "0.5 N"})
+    per_cycle = case.settings.output.samples
+    spacing = case.time_step * case.steps_per_sample
+    time = spacing * np.arange(per_cycle * case.excitation.windows + 1)
+    samples = {"time": time, "velocity": np.sin(time), "wall_work": 0.1 * time}
+    cycles = Cycles(case, samples, 0)
+    assert host.leading_mode(cycles) == wanted
+    own = host.added_to_mode(cycles, wanted)
+    assert own["added_damping_mode_hz"] == pytest.approx((70.0, 110.0)[wanted])
+    assert own["added_damping_ratio"] > 0
+    other = host.added_to_mode(cycles, 1 - wanted)["added_damping_ratio"]
+    assert (other is None) == (shapes[1 - wanted] == 0)
 
 
 @pytest.mark.parametrize("kind", ["sweep", "shock", pytest.param("random", marks=_OWN_KERNELS)])

@@ -5,9 +5,10 @@ M x'' + c x' + k x = f + F with c = 2 zeta_0 omega_0 M, k = omega_0^2 M.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -49,6 +50,12 @@ class Modes:
         """One degree of freedom."""
         shape = np.array([1 / math.sqrt(mass)])
         return cls(np.array([omega]), np.array([damping_ratio]), shape, shape, 1 / shape)
+
+    def only(self, mode: int) -> "Modes":
+        """One of the modes, by its number."""
+        own: dict[str, Any] = {name: None if values is None else values[mode : mode + 1]
+               for name, values in vars(self).items()}  # fmt: skip
+        return replace(self, **own)
 
     @property
     def slowest(self) -> float:
