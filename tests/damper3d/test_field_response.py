@@ -13,6 +13,7 @@ from refusals import assert_refuses
 from damper3d.case.case import DamperCase
 from damper3d.case.parts import GRAVITY
 from damper3d.studies.field.balance import respond, spaced, swept, with_peaks
+from damper3d.studies.field.origin import check_origin, head
 from damper3d.studies.field.report import in_words, of_response
 from damper3d.studies.field.structure import Structure, structure_of
 from damper3d.studies.field.table import Field
@@ -266,6 +267,32 @@ HOSTED = {"host.mass": "2 kg", "host.frequency": 40.0, "host.damping_ratio": 0.0
 )
 def test_cases_without_a_steady_response_are_refused_in_one_line(changes, words):
     assert_refuses(words, structure_of, DamperCase.load("thesis", changes))
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({}, None),
+        ({"particles.count": 358, "motion.orientation": "vertical"}, None),
+        ({"motion.orientation": "horizontal"}, ["field of vertical", "gives horizontal"]),
+        ({"motion.gravity": [1, 0, 0]}, ["field of vertical", "gives horizontal", "[motion]"]),
+        ({"particles.count": 300}, ["field of 358 particles sphere:5mm", "gives 300 particles"]),
+        (
+            {"particles.count": 358, "law.density": "8 g/cm3"},
+            ["0.0278", "kg", "leave [particles] out"],
+        ),
+        ({"enclosure.height": "45 mm"}, ["a height of 40 mm", "gives 45 mm"]),
+    ],
+)
+def test_a_field_of_another_bed_than_the_case_gives_is_refused(changes, words):
+    """Of what the case leaves out, and of a table without a head, nothing is said."""
+    lines = head(DamperCase.load("thesis"))
+    case = DamperCase.load("thesis", {**HOSTED, "host.force": "1 N", **changes})
+    if words is None:
+        check_origin("field.csv", lines, case)
+    else:
+        assert_refuses(["field.csv", *words], check_origin, "field.csv", lines, case)
+    check_origin("field.csv", (), case)
 
 
 @pytest.mark.parametrize(

@@ -53,8 +53,10 @@ class Modes:
 
     def only(self, mode: int) -> "Modes":
         """One of the modes, by its number."""
-        own: dict[str, Any] = {name: None if values is None else values[mode : mode + 1]
-               for name, values in vars(self).items()}  # fmt: skip
+        own: dict[str, Any] = {
+            name: None if values is None else values[mode : mode + 1]
+            for name, values in vars(self).items()
+        }
         return replace(self, **own)
 
     @property

@@ -128,7 +128,8 @@ def _write(
 ) -> dict[str, Any]:  # fmt: skip
     """Write the tables and the picture of a field; its results."""
     from damper3d.studies.field.chart import draw_field
-    from damper3d.studies.field.report import head, summary
+    from damper3d.studies.field.origin import head
+    from damper3d.studies.field.report import summary
     from damper3d.studies.field.runs import field_of
     from damper3d.studies.map.report import write_map
     from granulab.campaign.output.figure import write_figure

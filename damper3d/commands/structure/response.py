@@ -13,6 +13,7 @@ from granulab.campaign.cli.many import numbers, stop_unless_whole
 from granulab.campaign.output.layout import stopped
 
 if TYPE_CHECKING:
+    from damper3d.case.case import DamperCase
     from damper3d.studies.field.balance import Responses
     from damper3d.studies.field.structure import Structure
     from damper3d.studies.field.table import Field
@@ -58,7 +59,7 @@ def response(
 
     _refuse_unless_asked(tables, between, simulate, frequencies)
     case = DamperCase.load(host)
-    beds = _Beds(structures_of(case), case.number, quiet)
+    beds = _Beds(structures_of(case), case.dampers or (case,), case.number, quiet)
     of_each = tables_of(tables, list(beds.structures)) if tables else {}
     wanted = rising("levels", numbers("--levels", levels, (1.0,)))
     refuse_unless_writable(Path(out), "--out")
@@ -96,6 +97,7 @@ class _Beds(NamedTuple):
     """The structure as each damper sees it, by the names of places; the number of the shown one."""
 
     structures: "dict[str, Structure]"
+    cases: "tuple[DamperCase, ...]"  # of each
     shown: int
     quiet: bool
 
@@ -208,6 +210,7 @@ def _balanced(
     """Responses from fields, with their table written; results for --json, report in words."""
     from damper3d.studies.field.balance import spaced, with_peaks
     from damper3d.studies.field.engine import BALANCE
+    from damper3d.studies.field.origin import check_origin
     from damper3d.studies.field.report import (
         in_words,
         of_response,
@@ -221,6 +224,8 @@ def _balanced(
 
     structures, one = beds.structures, len(set(tables.values())) == 1
     fields = {name: read_field(table) for name, table in tables.items()}
+    for case, (name, field) in zip(beds.cases, fields.items(), strict=True):
+        check_origin(tables[name], field.head, case)
     ends = _ends(fields, tables, between)
     lead = next(iter(structures.values()))
     own, each = list(structures.values()), list(fields.values())

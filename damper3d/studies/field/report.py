@@ -1,10 +1,8 @@
 """Results of a field and of responses: their folders, tables, and reports in words."""
 
 import math
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +12,7 @@ from damper3d.case.case import DamperCase
 from damper3d.run.protocol import run_digest
 from damper3d.studies.field.balance import Responses, swept_together, with_peaks
 from damper3d.studies.field.fall import as_rows, falls
+from damper3d.studies.field.origin import lid
 from damper3d.studies.field.runs import Refinement, states, steady_changes, unlike
 from damper3d.studies.field.several import respond_together
 from damper3d.studies.field.structure import Structure
@@ -35,22 +34,6 @@ def field_folder(
     more = [refine.most_runs, refine.tolerance] if refine.most_runs else []
     named = f"{cases[0][1].name}-{digest({'runs': runs, 'more': more})}"
     return RunFolder(Path(out) / "fields" / named)
-
-
-def head(case: DamperCase) -> tuple[str, ...]:
-    """Lines on where a field comes from: case, version and command."""
-    size = f"{case.count} particles {case.particle.name}, {case.mass:.6g} kg"
-    return (
-        f"effective mass of {case.name}: {size}, fill ratio {case.fill_ratio:.3f}, {lid(case)}",
-        f"granulab {version('granulab')}, {' '.join(['damper3d', *sys.argv[1:]])}",
-        "m' - i m'' with F = omega^2 (m' - i m'') X of x = Re(X exp(i omega t)); half widths of "
-        "95 % intervals over the packings",
-    )
-
-
-def lid(case: DamperCase) -> str:
-    """The closed ends, in words, and the direction of the motion to gravity."""
-    return f"with a lid, {1e3 * case.enclosure.height:g} mm high, {case.orientation}"
 
 
 def summary(

@@ -1,0 +1,72 @@
+"""Where a field comes from, and whether a case that it is taken for is of the same bed."""
+
+import math
+import re
+import sys
+from importlib.metadata import version
+
+from damper3d.case.case import DamperCase
+from damper3d.case.settings import Particles
+from granulab.errors import InputError
+
+_FIRST = re.compile(
+    r"effective mass of .*: (?P<count>\d+) particles (?P<particle>.+), (?P<mass>\S+) kg, "
+    r"fill ratio \S+, with a lid, (?P<height>\S+) mm high, (?P<orientation>\w+)$"
+)
+# Keys of sections that say what a field is of; other ones may be left to it.
+_KEYS = {
+    "motion": {"orientation", "gravity", "direction"},
+    "particles": set(Particles.model_fields) - {"materials"},
+    "enclosure": {"height"},
+}
+_MASS = 0.05  # of a bed's, by which drawn sizes may differ, and materials do not so little
+
+
+def head(case: DamperCase) -> tuple[str, ...]:
+    """Lines on where a field comes from: case, version and command."""
+    size = f"{case.count} particles {case.particle.name}, {case.mass:.6g} kg"
+    return (
+        f"effective mass of {case.name}: {size}, fill ratio {case.fill_ratio:.3f}, {lid(case)}",
+        f"granulab {version('granulab')}, {' '.join(['damper3d', *sys.argv[1:]])}",
+        "m' - i m'' with F = omega^2 (m' - i m'') X of x = Re(X exp(i omega t)); half widths of "
+        "95 % intervals over the packings",
+    )
+
+
+def lid(case: DamperCase) -> str:
+    """The closed ends, in words, and the direction of the motion to gravity."""
+    return f"with a lid, {1e3 * case.enclosure.height:g} mm high, {case.orientation}"
+
+
+def check_origin(table: str, lines: tuple[str, ...], case: DamperCase) -> None:
+    """Raise InputError where a case gives a bed or an orientation that its field is not of.
+
+    table: file of the field, whose head has these lines; one without them is of any bed. Keys that
+    the case leaves out are the field's.
+    """
+    own = _FIRST.match(lines[0]) if lines else None
+    if own is None:
+        return
+    of_motion, of_bed, of_height = (
+        getattr(case.settings, section).model_fields_set & keys for section, keys in _KEYS.items()
+    )
+    bed, mass = f"{case.count} particles {case.particle.name}", f"{case.mass:.6g} kg"
+    alike = math.isclose(float(own["mass"]), case.mass, rel_tol=_MASS)
+    height = f"{1e3 * case.enclosure.height:g}"
+    own_bed = f"{own['count']} particles {own['particle']}"
+    _refuse_unless(table, case, "motion", not of_motion or own["orientation"] == case.orientation,
+                   own["orientation"], case.orientation)  # fmt: skip
+    _refuse_unless(table, case, "particles", not of_bed or (own_bed == bed and alike),
+                   f"{own_bed}, {own['mass']} kg", f"{bed}, {mass}")  # fmt: skip
+    _refuse_unless(table, case, "enclosure", not of_height or own["height"] == height,
+                   f"a height of {own['height']} mm", f"{height} mm")  # fmt: skip
+
+
+def _refuse_unless(
+    table: str, case: DamperCase, section: str, is_same: bool, there: str, here: str
+) -> None:
+    if not is_same:
+        raise InputError(
+            f"{table}: a field of {there}, and {case.name} gives {here}: compute its own (damper3d "
+            f"field), or leave [{section}] out of the case"
+        )
