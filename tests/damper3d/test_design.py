@@ -355,7 +355,14 @@ def test_the_example_is_a_specification_that_is_taken(tmp_path):
     assert file.read_text("utf-8") == example()
     planned = damper3d("design", file, "--dry-run", "--json")
     assert planned.code == 0, planned.err
-    assert json.loads(planned.out)["candidates"] >= 12
+    found = json.loads(planned.out)
+    assert found["candidates"] >= 12
+    parts = found["parts_cpu_min"]
+    assert found["expected_cpu_min"] == pytest.approx(sum(parts.values()))
+    assert all(cost > 0 for cost in parts.values())
+    more = json.loads(damper3d("design", file, "--dry-run", "--json", "--compare", 30).out)
+    assert more["parts_cpu_min"]["fields"] == parts["fields"]
+    assert all(more["parts_cpu_min"][name] > parts[name] for name in parts.keys() - {"fields"})
 
 
 TINY = {

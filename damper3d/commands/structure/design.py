@@ -52,7 +52,7 @@ def design(
 
     designer = Designer(task, Path(out), engines, say)
     if dry_run:
-        planned = _plan(designer)
+        planned = _plan(designer, compare)
         click.echo(json.dumps(planned, indent=2) if as_json else _planned(planned))
         return
     _ = designer.beds  # a space in which none fits is refused before anything is computed
@@ -64,19 +64,20 @@ def design(
     click.echo(json.dumps(results, indent=2) if as_json else on_screen(words))
 
 
-def _plan(designer: "Designer") -> dict[str, Any]:
+def _plan(designer: "Designer", compare: int) -> dict[str, Any]:
     from damper3d.studies.design.candidates import NEARBY
 
     spec = designer.task.spec
-    costs = [designer.cost_of(bed) for bed in designer.beds]
+    costs = designer.expected_cpu_s(compare, min(_DRAWN, compare))
     return {
         "name": spec.name,
         "bare_gamma": designer.task.bare_gamma,
         "force_n": designer.task.force,
         "closed_form_m": designer.amplitude,
-        "beds": len(costs),
+        "beds": len(designer.beds),
         "candidates": designer.number,
-        "expected_cpu_min": designer.number * sum(costs) / len(costs) / 60,
+        "expected_cpu_min": sum(costs.values()) / 60,
+        "parts_cpu_min": {name: cost / 60 for name, cost in costs.items()},
         "verified": (spec.search.verified + 1 + len(NEARBY)) * spec.search.seeds * 3,
     }
 
@@ -85,9 +86,10 @@ def _planned(planned: dict[str, Any]) -> str:
     return (
         f"{planned['name']}: bare {planned['bare_gamma']:.4g} g under {planned['force_n']:.4g} N; "
         f"closed form {1e3 * planned['closed_form_m']:.4g} mm\n"
-        f"{planned['beds']} beds find room; fields of {planned['candidates']} candidates, about "
-        f"{planned['expected_cpu_min']:.1f} min of CPU; then some {planned['verified']} runs "
-        "with the structure"
+        f"{planned['beds']} beds find room; fields of {planned['candidates']} candidates; then "
+        f"some {planned['verified']} runs with the structure\n"
+        f"expected    about {planned['expected_cpu_min']:.1f} min of CPU: "
+        + ", ".join(f"{name} {cost:.1f}" for name, cost in planned["parts_cpu_min"].items())
     )
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from damper3d.case.case import DamperCase
+from damper3d.case.host.host import COUNTED
 from damper3d.run.sweep import DAMPER, run_cases
 from damper3d.studies.design import candidates as making
 from damper3d.studies.design.candidates import Bed, Candidate
@@ -40,6 +41,8 @@ _SEARCH_CPU = 1200.0  # [s of CPU] that the search takes by itself
 _REFINED = 1.5  # runs of a field over those that it begins with
 ROUNDS = 2  # of runs at the responses that a field predicts
 EDGES = 3  # times that a peak is looked for further out
+_ABOUT_A_PEAK = 3  # frequencies that a design is simulated at: of its peak, and on both sides
+_SUPPOSED = 0.5  # of the bare response, of a design that is not known yet
 _FEWEST, _MOST = 12, 40  # candidates by itself
 _FILLING = {"motion.frequency": 100.0, "motion.gamma": 0.5, "run.cycles": 1, "run.discard": 0}
 # Beds settle by random filling of an enclosure of so many depths and a particle; balls of a layer,
@@ -88,6 +91,42 @@ class Designer:
         costs = [DAMPER.expected_cpu_s(case) for _, case in cases]
         return costs[0][0] + _REFINED * sum(run for _, run in costs)
 
+    def cost_with_structure(self, bed: Bed) -> tuple[float, float]:
+        """About what a packing of a bed and a run with the structure cost [s of CPU].
+
+        Of a run that ends when it is first judged, with a response of _SUPPOSED of the bare one.
+        """
+        clearance, own = math.pi * self.amplitude, self.task.spec.structure
+        tall = Candidate(bed, max(bed.depth + clearance, bed.ball.extent), clearance)
+        supposed = Design(tall, reductions=[_SUPPOSED])
+        ((_, case),) = verification_cases(self.task, supposed, 0, [own.frequency], [1], 0)
+        packing, run = DAMPER.expected_cpu_s(case)
+        least = case.settings.run.discard + COUNTED
+        return packing, run * min(least / case.settings.run.max_cycles, 1.0)
+
+    def expected_cpu_s(self, compare: int, simulated: int) -> dict[str, float]:
+        """About what each part costs [s of CPU], of beds as they are in the mean.
+
+        Beds come to rest sooner than the settling that they are given, in a third of this time.
+        compare: random designs to compare with, of which so many are simulated.
+        """
+        search, levels = self.task.spec.search, len(self.task.spec.level.range)
+        settling = [DAMPER.expected_cpu_s(case) for _, case in self._settling(self.beds)]
+        field = sum(map(self.cost_of, self.beds)) / len(self.beds)
+        each = [self.cost_with_structure(bed) for bed in self.beds]
+        packing, run = (sum(part) / len(each) for part in zip(*each, strict=True))
+        alone = search.verified + 1 + len(making.NEARBY)  # at a level; then the best at all
+        others = (2 + simulated) * levels if compare else 0  # the first, the rule and random ones
+        runs = (alone + levels - 1 + others) * _ABOUT_A_PEAK
+        of_settling = sum(map(sum, settling))
+        return {
+            "settling": of_settling * (1.0 + compare / len(settling)),
+            "fields": self.number * field,
+            # Other clearances of the best, other frequencies of the first, and those compared with.
+            "more fields": (len(making.NEARBY) + 2 + (compare and compare + 1)) * field,
+            "with the structure": search.seeds * (runs * run + alone * packing),
+        }
+
     def run(self, cases: Sequence[Any]) -> Rows:
         """Rows of labelled cases; Stopped where some were interrupted."""
         rows = run_cases(list(cases), out=self.out, **self.engine)
@@ -95,8 +134,8 @@ class Designer:
             raise Stopped("the same command goes on")
         return rows
 
-    def heights(self, beds: Sequence[Bed]) -> list[float]:
-        """Heights [m] to which beds settle along the axis; inf of those that do not."""
+    def _settling(self, beds: Sequence[Bed]) -> list[tuple[dict[str, Any], DamperCase]]:
+        """Labelled cases in which beds settle."""
         cases = []
         for number, bed in enumerate(beds):
             tall = Candidate(bed, float(f"{_FALLING * bed.depth + bed.ball.extent:.5g}"), 0.0)
@@ -104,7 +143,11 @@ class Designer:
             changes = tall.changes("vertical", self.task.spec.search.seed) | _FILLING
             changes["fill.settle_time"] = _OF_A_LAYER if single else _SETTLING
             cases.append(({"design": number}, DamperCase.load("thesis", changes)))
-        rows = self.run(cases)
+        return cases
+
+    def heights(self, beds: Sequence[Bed]) -> list[float]:
+        """Heights [m] to which beds settle along the axis; inf of those that do not."""
+        rows = self.run(self._settling(beds))
         return [
             float(row["packing.height_m"]) if row["state"] == "done" else math.inf for row in rows
         ]
