@@ -139,6 +139,18 @@ def test_what_two_frequencies_share_is_found_between_them(of):
         assert field.by_amplitude().at(f, 1e-4) == field.at(f, 1e-4)
 
 
+@pytest.mark.parametrize(
+    ("frequency", "gamma", "expected"),
+    [(56.6, 2.0, [40.0, 80.0]), (56.6, 0.9, None), (41.0, 9.0, None), (74.0, 9.0, None),
+     (40.0, 9.0, None), (20.0, 9.0, None)],
+)  # fmt: skip
+def test_a_motion_far_between_two_frequencies_is_told(frequency, gamma, expected):
+    """Where the bed leaves its floor, more than a tenth off both: the cure is a field there."""
+    field = Field.of([20.0, 40.0, 80.0], [20.0] * 3, [1.0] * 3, 1.0)
+    amplitude = gamma * 9.81 / (2 * math.pi * frequency) ** 2
+    assert field.far_between(frequency, amplitude) == expected
+
+
 def test_a_frequency_of_the_table_reaches_as_far_as_its_own_points():
     field = Field.of([20.0, 20.0, 40.0, 40.0], [1.0, 20.0, 1.0, 5.0], [1.0] * 4, 1.0)
     ends = [field.knots(f)[0][0, -1] for f in (20.0, 30.0, 40.0)]

@@ -162,7 +162,7 @@ def _levels(
             found[d].append(
                 {
                     "level": level,
-                    **_peaks(responses, k),
+                    **_peaks(responses, k, fields[d]),
                     "peak_interval_m": _interval([together, *edges], fields, d, k),
                     "most_solutions": int(responses.count[k].max()),
                     "beyond_field_hz": _span(responses.frequency[responses.beyond[k]]),
@@ -172,7 +172,7 @@ def _levels(
     return found
 
 
-def _peaks(responses: Responses, level: int) -> dict[str, Any]:
+def _peaks(responses: Responses, level: int, field: Field) -> dict[str, Any]:
     """Largest responses of a level, with the bed and bare, and the one over the other.
 
     On a base that moves these are those of the transmissibility, amplitude over the base's, as the
@@ -193,6 +193,7 @@ def _peaks(responses: Responses, level: int) -> dict[str, Any]:
         "reduction_of": "amplitude" if responses.base is None else "transmissibility",
         "largest_at_end": [name for name, is_end in ends.items() if is_end],
         "between_hz": [float(responses.frequency[0]), float(responses.frequency[-1])],
+        "field_between_hz": peak and field.far_between(*peak),
     }
 
 
@@ -251,7 +252,7 @@ def _table(levels: list[dict[str, Any]]) -> list[str]:
             f"{start}{_millimetres(one['peak_amplitude_m']):>14}  {between:20}"
             f"{one['peak_frequency_hz']:7.4g} Hz{reduction:>11}"
         )
-        lines += _at_ends(one)
+        lines += [*_at_ends(one), *_far_between(one)]
         lines += [
             f"{'':10}jump as the frequency goes {jump['direction']}: at {jump['frequency']:.4g} Hz "
             f"from {_millimetres(jump['before'])} to {_millimetres(jump['after'])}"
@@ -272,6 +273,17 @@ def _at_ends(one: dict[str, Any]) -> list[str]:
     return [
         f"{'':10}warning: largest response {where} at an end of {low:g} to {high:g} Hz, no peak: "
         "widen --between, or the field (damper3d field --frequencies)"
+    ]
+
+
+def _far_between(one: dict[str, Any]) -> list[str]:
+    """A warning where a peak lies between frequencies of a field that are far apart."""
+    if not one["field_between_hz"]:
+        return []
+    (low, high), peak = one["field_between_hz"], one["peak_frequency_hz"]
+    return [
+        f"{'':10}warning: the field has {low:g} and {high:g} Hz, and of a bed that leaves its floor "
+        f"little is known between: compute it there (damper3d field --frequencies {peak:.3g})"
     ]
 
 

@@ -42,6 +42,7 @@ COLUMNS = (
 _MAY_LACK = ("m_in_phase_half_width_kg", "m_out_of_phase_half_width_kg")
 _HEAD = "# "
 _WANTED = "the field.csv that damper3d field writes"
+_NEAR = 0.1  # part of a frequency within which what the table has there is taken for known
 RIDES = 0.05  # of the bed's mass, that m' may be off it where a bed is said to ride along
 
 
@@ -109,6 +110,19 @@ class Field:
             self.same_amplitude,
         )  # fmt: skip
 
+    def far_between(self, frequency: float, amplitude: float) -> list[float] | None:
+        """The two frequencies of the table that a motion lies far between [Hz]; None of others.
+
+        Far is more than _NEAR off both, with a bed that leaves its floor: beyond Gamma 1.
+        """
+        known = self.frequencies
+        above = int(np.searchsorted(known, frequency))
+        lifted = amplitude * (2.0 * math.pi * frequency) ** 2 > GRAVITY
+        if not (0 < above < len(known) and lifted):
+            return None
+        ends = [float(f) for f in known[above - 1 : above + 1]]
+        return ends if min(frequency / ends[0], ends[1] / frequency) > 1.0 + _NEAR else None
+
     def by_amplitude(self) -> "Field":
         """The field with m of the same amplitude between two frequencies, not of the same Gamma.
 
@@ -166,7 +180,8 @@ class Field:
         """Return m Gamma at these Gammas of a frequency of the table; beyond it m is as there."""
         own = self.frequency == frequency
         g, m = np.append(0.0, self.gamma[own]), self.mass[own]
-        return np.interp(gammas, g, np.append(0.0, m * g[1:])) * np.maximum(gammas / g[-1], 1.0)
+        force = np.interp(gammas, g, np.append(0.0, m * g[1:]))
+        return np.asarray(force * np.maximum(gammas / g[-1], 1.0), complex)
 
     def has_interval(self, frequency: float, amplitude: float) -> bool:
         """True where all points have intervals that the mass at such a motion [Hz, m] comes of."""
