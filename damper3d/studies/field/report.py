@@ -282,8 +282,8 @@ def _far_between(one: dict[str, Any]) -> list[str]:
         return []
     (low, high), peak = one["field_between_hz"], one["peak_frequency_hz"]
     return [
-        f"{'':10}warning: the field has {low:g} and {high:g} Hz, and of a bed that leaves its floor "
-        f"little is known between: compute it there (damper3d field --frequencies {peak:.3g})"
+        f"{'':10}warning: the field has {low:g} and {high:g} Hz, and of a bed that leaves its "
+        f"floor little is known between: compute it there (damper3d field --frequencies {peak:.3g})"
     ]
 
 

@@ -8,7 +8,7 @@ rendered with e = 0.45 at every contact (eq. 3.6 of the wood-silo paper).
 On the command line::
 
     $ calibrate pendulum data/media/pendulum.mp4
-    restitution 0.4516 +- 0.0024, two blocks; ...
+    restitution 0.4506 +- 0.00079, two blocks; ...
 """
 
 import matplotlib.pyplot as plt
