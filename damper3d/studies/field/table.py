@@ -174,7 +174,7 @@ class Field:
         """
         scale = (np.broadcast_to(own, wanted.shape) / wanted)[:, None] ** 2  # Gamma there over here
         curves = zip(np.broadcast_to(own, wanted.shape), scale * gammas, strict=True)
-        return np.asarray([self._curve(*one) for one in curves], complex) / scale
+        return np.asarray([self._curve(*one) for one in curves] / scale, complex)
 
     def _curve(self, frequency: float, gammas: Floats) -> Complexes:
         """Return m Gamma at these Gammas of a frequency of the table; beyond it m is as there."""
