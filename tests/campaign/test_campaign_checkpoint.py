@@ -1,5 +1,9 @@
 """Checkpoints: every bit comes back, and nothing damaged is believed."""
 
+import errno
+import os
+from contextlib import contextmanager
+
 import h5py
 import numpy as np
 import pytest
@@ -8,9 +12,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from granulab.campaign.runs.checkpoint import load_checkpoint, save_checkpoint
-from granulab.campaign.runs.folder import SCHEMA
-from granulab.errors import FolderError
+from granulab.campaign.runs import checkpoint, h5file, seal
+from granulab.campaign.runs.checkpoint import (
+    checkpoints,
+    go_back,
+    keep_checkpoint,
+    load_checkpoint,
+    save_checkpoint,
+)
+from granulab.campaign.runs.folder import SCHEMA, RunFolder
+from granulab.campaign.runs.protocol import loaded, restored
+from granulab.campaign.runs.trajectory import TrajectoryWriter
+from granulab.errors import DamagedError, FolderError
 
 _ANY_BITS = hnp.arrays(
     np.uint64, hnp.array_shapes(min_dims=0, max_dims=3, min_side=0, max_side=4)
@@ -118,3 +131,81 @@ def test_checkpoint_that_cannot_be_written_is_refused(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(FolderError, match=r"Not a directory.*--out"):
         save_checkpoint(tmp_path / "file" / "checkpoint.h5", {}, {})
+
+
+PASSING = [OSError(code, os.strerror(code)) for code in (errno.EMFILE, errno.EIO, errno.ESTALE)]
+PASSING.append(MemoryError())
+
+
+def unread(monkeypatch, names, error):
+    """Have files of some names be such as the system does not give now."""
+
+    def open_kept(path):
+        if path.name in names:
+            raise error
+        return seal.open_kept(path)
+
+    monkeypatch.setattr(h5file, "open_kept", open_kept)
+
+
+@pytest.fixture
+def begun(tmp_path):
+    """A run with three parts, and the checkpoints that it keeps of them."""
+    run, writer = RunFolder(tmp_path), TrajectoryWriter(tmp_path)
+    for k in range(3):
+        writer.append({"x": np.arange(3.0)})
+        keep_checkpoint(run, writer.flush(), {"x": np.arange(3.0)}, {"parts": k + 1})
+    return run
+
+
+@pytest.mark.parametrize("error", PASSING, ids=lambda e: str(getattr(e, "errno", "memory")))
+@pytest.mark.parametrize("file", ["checkpoint.h5", "00000.h5"])
+def test_a_read_that_fails_for_now_costs_no_checkpoint(begun, monkeypatch, error, file):
+    before = checkpoints(begun)
+    assert len(before) > 1
+    with monkeypatch.context() as patch:
+        unread(patch, [file, *(path.name for path in before)], error)
+        with pytest.raises(FolderError, match=r"cannot be read now \(.*\); try again") as refused:
+            restored(begun, lambda arrays: None, dict, "its opening", pytest.fail)
+    assert not isinstance(refused.value, DamagedError)
+    assert checkpoints(begun) == before
+    found = restored(begun, lambda arrays: None, dict, "its opening", pytest.fail)
+    assert found == {"parts": 3}
+
+
+def test_checkpoints_go_where_their_seals_are_known_to_be_wrong(begun):
+    for path in checkpoints(begun):
+        path.write_bytes(path.read_bytes()[:-1])
+    said = []
+    assert restored(begun, lambda arrays: None, dict, "its opening", said.append) is None
+    assert not checkpoints(begun)
+    assert "damaged" in said[0]
+
+
+def test_a_packing_that_cannot_be_read_now_is_not_called_damaged(tmp_path, monkeypatch):
+    save_checkpoint(tmp_path / "packing.h5", {}, {})
+    unread(monkeypatch, ["packing.h5"], OSError(errno.EMFILE, os.strerror(errno.EMFILE)))
+    with pytest.raises(FolderError, match="cannot be read now"):
+        loaded(tmp_path, lambda arrays, meta: meta, "it is filled again")
+
+
+def test_going_back_writes_the_whole_checkpoint_through_short_writes(begun, monkeypatch):
+    """A disk that is nearly full takes a part of a write, and the rest in the next."""
+    replacing = checkpoint.replacing
+
+    class Short:
+        def __init__(self, file):
+            self.file = file
+
+        def write(self, data):
+            return self.file.write(bytes(data)[:100])
+
+    @contextmanager
+    def in_pieces(path):
+        with replacing(path) as file:
+            yield Short(file)
+
+    monkeypatch.setattr(checkpoint, "replacing", in_pieces)
+    earlier = checkpoints(begun)[-1]
+    go_back(begun, earlier)
+    assert begun.checkpoint.read_bytes() == earlier.read_bytes()

@@ -16,7 +16,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from granulab.campaign.output.files import replacing
+from granulab.campaign.output.files import replacing, write_all
 from granulab.campaign.runs.folder import RunFolder, plain
 from granulab.campaign.runs.h5file import made, opened
 from granulab.campaign.runs.seal import content
@@ -39,7 +39,8 @@ def save_checkpoint(
 def load_checkpoint(path: str | Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """The arrays and meta that save_checkpoint wrote.
 
-    Raises FolderError when the file is missing or of another schema, DamagedError when damaged.
+    Raises FolderError when the file is missing or of another schema, DamagedError when damaged,
+    UnreadableError when it cannot be read now.
     """
     arrays: dict[str, np.ndarray] = {}
 
@@ -86,7 +87,7 @@ def go_back(run: RunFolder, path: Path) -> None:
             break
         later.unlink()
     with replacing(run.checkpoint) as file:
-        file.write(path.read_bytes())
+        write_all(file, path.read_bytes())
 
 
 def checkpoints(run: RunFolder) -> list[Path]:

@@ -4,8 +4,10 @@ They are written through a file that keeps what goes wrong from HDF5: meeting a 
 ends the process.
 """
 
+import errno
 import io
 import math
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -34,12 +36,17 @@ _CACHE_BYTES = 2**20  # of chunks of each array
 _CHUNK_BYTES = 2**19  # half of it: a chunk is compressed once
 
 
+class UnreadableError(FolderError):
+    """A file that cannot be read now, whatever it holds."""
+
+
 @contextmanager
 def opened(path: Path, kind: str = "trajectory") -> Iterator[h5py.File]:
     """An HDF5 file of this schema, to be read.
 
-    Raises FolderError where it is another's, holds something else than was sealed, or would have
-    HDF5 read outside the file; what is wrong with its seal is a DamagedError.
+    Raises FolderError where it is another's, or would have HDF5 read outside the file;
+    DamagedError where it holds something else than was sealed; UnreadableError where the system
+    lacks files or memory, or its disk fails, which says nothing about what the file holds.
     """
     cure = _cure(path, kind)
     try:
@@ -63,6 +70,11 @@ def opened(path: Path, kind: str = "trajectory") -> Iterator[h5py.File]:
     except OutsideError as error:
         raise FolderError(f"{path}: {error}; do not use this run folder") from None
     except Exception as error:  # HDF5 raises many kinds for a damaged file
+        system = error.errno if isinstance(error, OSError) else None
+        # in a damaged file HDF5 looks at places that no file can have: EINVAL
+        if system not in (None, errno.EINVAL) or isinstance(error, MemoryError):
+            reason = os.strerror(system) if system else "out of memory"
+            raise UnreadableError(f"{path}: cannot be read now ({reason}); try again") from error
         reason = f" ({error.strerror})" if isinstance(error, OSError) and error.strerror else ""
         raise DamagedError(f"{path}: damaged or no {kind}{reason}; {cure}") from error
 

@@ -265,7 +265,8 @@ def restored(
 
     That is the newest one, or where a file is damaged the newest one that needs none of them;
     None where none is left. `warn` gets which file it is and what is computed again. start:
-    where the run then begins. Raises FolderError where a checkpoint does not fit the case.
+    where the run then begins. Raises FolderError where a checkpoint does not fit the case, and
+    where a file cannot be read now: then none is removed.
     """
     # here, since h5py is slow to load
     from granulab.campaign.runs.checkpoint import checkpoints, go_back, load_checkpoint
@@ -330,17 +331,22 @@ def kept(
 def loaded(
     folder: Path, packing: Callable[[dict[str, Any], dict[str, Any]], Packing], cure: str
 ) -> Packing | None:
-    """The packing kept in a folder, None where there is none; FolderError where it is damaged.
+    """The packing kept in a folder, None where there is none.
+
+    Raises FolderError where it is damaged, or cannot be read now.
 
     packing: makes it of the arrays and the meta of its file.
     """
     from granulab.campaign.runs.checkpoint import load_checkpoint
+    from granulab.campaign.runs.h5file import UnreadableError
 
     file = folder / "packing.h5"
     if not file.exists():
         return None
     try:
         return packing(*load_checkpoint(file))
+    except UnreadableError:
+        raise
     except (FolderError, KeyError, TypeError):
         raise damaged(folder, cure) from None
 
