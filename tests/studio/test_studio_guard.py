@@ -106,6 +106,18 @@ def test_no_case_names_a_file_outside(studio, case):
     assert "not within the folder of the studio" in found["refused"]
 
 
+@pytest.mark.parametrize("name", ["../rock.toml", "{outside}/rock.toml", "out/rock.toml"])
+def test_no_materials_outside_are_shown(studio, name):
+    """By "..", an absolute path, or a folder that is a link to elsewhere."""
+    outside = studio.folder.parent
+    (outside / "rock.toml").write_text(
+        'schema = 1\n[material.secret]\ndensity = { value = "2 g/cm3", source = "hidden" }\n'
+    )
+    found = studio.ask("materials", name=name.format(outside=outside))
+    assert "not within the folder" in found["refusal"]
+    assert "secret" not in str(found)
+
+
 def test_no_measurement_reads_or_writes_outside(studio):
     outside = [{"into": "../other.toml"}, {"roi": "/etc/passwd"}, {"unit": "time=s\n/etc/passwd"}]
     for options in outside:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from granulab.contact.files.casefile import toml_value
-from granulab.contact.files.datafile import data_names, find
+from granulab.contact.files.datafile import data_file, data_names
 from granulab.errors import InputError
 from granulab.studio.folder import Folder
 from granulab.studio.rooms.silo import outlines_of
@@ -82,10 +82,7 @@ def materials(folder: Folder, name: str) -> dict[str, Any]:
     from calibration.files.provenance import read_values, shown
     from granulab.contact.material import PROPERTIES
 
-    path = find(name, "materials", folder.root)
-    if Path(path).parent == folder.root:
-        folder.file(name)
-    _, values, needs = read_values(path)
+    _, values, needs = read_values(data_file("materials", name) or folder.file(name))
     return {
         "values": [
             {
