@@ -235,8 +235,8 @@ class Runs(Generic[Case, Found]):
                 made = origin.get("measures_digest")
                 self.measures.check(what, made, "--again computes it again in a new folder", warn)
             else:
+                folder.write_summary(summary)  # first: cut off here, it is measured again
                 folder.write_provenance({**origin, "measures_digest": self.measures.digest})
-                folder.write_summary(summary)
         return self.result.read(folder, reused=True)
 
 
