@@ -1,10 +1,14 @@
-"""Runs of a case: results that stay true when a process is cut off, whatever it did."""
+"""Runs of a case: results that stay true when a process is cut off, or another one is at it."""
 
 import dataclasses
+from contextlib import ExitStack
 
 import pytest
+from fake_simulator import FAKE, fake
 
-from granulab.campaign.runs.folder import RunFolder
+from granulab.campaign.runs.folder import BusyError, RunFolder, find_run
+from granulab.campaign.sweeps.sweep import Task, run_labelled, run_or_pack
+from granulab.errors import FolderError, Stopped
 from silo2d.case.case import SiloCase
 from silo2d.run.protocol import RUNS
 
@@ -37,3 +41,62 @@ def test_results_that_a_kill_left_half_measured_are_measured_again(tmp_path, mon
             runs.run(CASE, out=tmp_path)
     assert runs.run(CASE, out=tmp_path).read_summary()["answer"] == 2
     assert folder.read_provenance()["measures_digest"] == RUNS.measures.digest
+
+
+@pytest.fixture
+def shared(tmp_path):
+    """A run that another process computes, what ends that, and calls of this one's `compute`."""
+    computed = []
+    runs = dataclasses.replace(RUNS, result=Read, compute=lambda *_: computed.append(1) or {})
+    folder = find_run(tmp_path, f"{CASE.name}-seed1", RUNS.digest(CASE))
+    folder.path.mkdir(parents=True)
+    with ExitStack() as other:
+        other.enter_context(folder.lock())
+        yield runs, folder, other, computed
+
+
+def worked(runs, folder, stop):
+    """The result of a task of a sweep."""
+    task = Task(CASE, folder.path.parent, packing_only=False)
+    return run_or_pack(task, stop, run=runs.run, get_packing=None)
+
+
+@pytest.mark.parametrize("ends", ["finished", "killed"])
+def test_a_sweep_waits_for_a_run_that_another_process_computes(shared, ends):
+    """Finished there, it is read; where the other one was killed, it is computed here."""
+    runs, folder, other, computed = shared
+
+    def stop():
+        other.close()
+        if ends == "finished":
+            runs.run(CASE, out=folder.path.parent)
+        return False
+
+    assert worked(runs, folder, stop) == folder
+    assert folder.state == "finished"
+    assert len(computed) == 1
+
+
+def test_a_sweep_that_waits_for_another_process_stops_when_told(shared):
+    runs, folder, _, computed = shared
+    with pytest.raises(Stopped, match="the same command goes on"):
+        worked(runs, folder, lambda: True)
+    assert not computed
+
+
+def test_a_single_run_is_refused_where_another_process_computes_it(shared):
+    runs, folder, _, _ = shared
+    with pytest.raises(FolderError, match=r"another process computes this run now.*--again"):
+        runs.run(CASE, out=folder.path.parent)
+
+
+def test_a_finished_run_that_another_process_measures_again_is_no_failure(tmp_path):
+    """A row of such a run comes from a worker, which waits."""
+
+    def busy(folder):
+        raise BusyError(f"{folder.path}: another process computes this run now")
+
+    for read in (FAKE.read, busy):
+        simulator = dataclasses.replace(FAKE, read=read)
+        (row,) = run_labelled(simulator, [({}, fake(2))], out=tmp_path, workers=1, quiet=True)
+        assert (row["state"], row["square"]) == ("done", 4)

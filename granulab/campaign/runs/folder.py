@@ -21,6 +21,10 @@ _AGAIN = "use --again to compute the run again"
 _RUN_ANEW = f"{_AGAIN}, and run a changed case as a new one"
 
 
+class BusyError(FolderError):
+    """A run that another process computes now."""
+
+
 class Stored(dict[str, Any]):
     """Content of a file or table of a run, by name; DamagedError for what it does not hold."""
 
@@ -103,7 +107,7 @@ class RunFolder:
     def lock(self) -> Iterator[None]:
         """Keep every other process off this run; a killed holder leaves no lock behind.
 
-        Raises FolderError when another one computes in this folder.
+        Raises BusyError when another one computes in this folder, FolderError when nobody can.
         """
         from filelock import FileLock, Timeout
 
@@ -112,7 +116,7 @@ class RunFolder:
             try:
                 held.acquire(blocking=False)
             except Timeout:
-                raise FolderError(
+                raise BusyError(
                     f"{self.path}: another process computes this run now; wait for it, "
                     "or use --again to compute it in a folder of its own"
                 ) from None

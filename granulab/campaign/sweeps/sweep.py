@@ -10,6 +10,7 @@ import heapq
 import math
 import operator
 import re
+import time
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
@@ -21,7 +22,7 @@ from typing import Any, NamedTuple
 from granulab.campaign.output import room
 from granulab.campaign.output.table import flat
 from granulab.campaign.output.terminal import Progress, announce_compilation
-from granulab.campaign.runs.folder import RunFolder, find_run
+from granulab.campaign.runs.folder import BusyError, RunFolder, find_run
 from granulab.campaign.runs.protocol import Stop
 from granulab.campaign.runs.provenance import Sources, to_stderr
 from granulab.campaign.runs.sharing import cores
@@ -31,8 +32,9 @@ from granulab.campaign.sweeps.found.journal import Journal
 from granulab.campaign.sweeps.found.origins import Origins
 from granulab.campaign.sweeps.report.quantities import Quantities
 from granulab.campaign.sweeps.task import EngineError, Function, Outcome
-from granulab.errors import Failed, FolderError, InputError, SimulationError
+from granulab.errors import Failed, FolderError, InputError, SimulationError, Stopped
 
+_LOOK = 0.5  # [s] between looks whether another process has ended a run
 _TRUSTED = 1.0  # [s] of runs, from which on their cost is rather measured than expected
 
 Labels = dict[str, Any]
@@ -303,6 +305,9 @@ def run_or_pack(
 ) -> Any:
     """Run the case of a task, or make its packing (None); in a worker.
 
+    A run that another process computes is waited for, and its result read. Raises Stopped where
+    `stop` says so meanwhile.
+
     run(case, out=, stop=, warn=) and get_packing(case, out, progress, stop, warn) are the
     simulator's.
     """
@@ -310,7 +315,13 @@ def run_or_pack(
         if task.packing_only:
             get_packing(task.case, task.out, lambda fraction, text: None, stop, silent)
             return None
-        return run(task.case, out=task.out, stop=stop, warn=silent)
+        while True:
+            try:
+                return run(task.case, out=task.out, stop=stop, warn=silent)
+            except BusyError as busy:
+                if stop():
+                    raise Stopped("the same command goes on from there") from busy
+                time.sleep(_LOOK)
 
 
 def silent(warning: str) -> None:
@@ -328,11 +339,13 @@ def without_again(line: str, folder: Path | None = None) -> str:
 
 
 def _read(simulator: Simulator, folder: RunFolder) -> Outcome | None:
-    """Return what a finished run found, None of another; damaged, it is left as it is."""
+    """Return what a finished run found, None of one to be run; damaged, it is left as it is."""
     if folder.state != "finished":
         return None
     try:
         return _with_fields(Outcome("done", simulator.read(folder)))
+    except BusyError:  # measured again now: whoever runs it waits for that
+        return None
     except FolderError as error:
         return Outcome("failed", reason=without_again(str(error), folder.path))
 
