@@ -8,7 +8,7 @@ import threading
 import time
 
 import pytest
-from fake_tasks import fussy, killed, logged, patient, square, surroundings
+from fake_tasks import deaf, fussy, killed, logged, patient, slow_to_end, square, surroundings
 from waiting import is_alive, wait_until, when
 
 from granulab.campaign.sweeps import engine
@@ -147,6 +147,31 @@ def test_ctrl_c_lets_the_running_tasks_keep_their_state(tmp_path, number):
     assert [o.state for o in outcomes] == ["interrupted"] * 3
     assert [o.reason for o in outcomes] == ["go on with: the same"] * 2 + ["not started"]
     assert sorted(path.name for path in tmp_path.glob("*.kept")) == ["a.kept", "b.kept"]
+
+
+def test_a_large_bed_has_the_time_that_its_checkpoint_takes(tmp_path):
+    """Two seconds; the user knows within one that the sweep heard."""
+    asked, heard = [], []
+
+    def report(tally):
+        if tally.stopping:
+            heard.append(time.monotonic())
+        elif (tmp_path / "a").exists() and not asked:
+            asked.append(time.monotonic())
+            signal.raise_signal(signal.SIGTERM)
+
+    (outcome,) = run_tasks(slow_to_end, [(tmp_path / "a", 60.0)], workers=1, report=report)
+    assert (outcome.state, outcome.reason) == ("interrupted", "go on with: the same")
+    assert (tmp_path / "a.kept").exists()
+    assert heard[0] - asked[0] < 1.0
+
+
+def test_what_does_not_end_is_killed_after_a_while(tmp_path, monkeypatch):
+    monkeypatch.setattr(engine, "_GRACE", 0.5)
+    when((tmp_path / "a").exists, lambda: os.kill(os.getpid(), signal.SIGINT))
+    (outcome,) = run_tasks(deaf, [(tmp_path / "a", 60.0)], workers=1)
+    assert outcome.reason == "stopped between two checkpoints"
+    wait_until(lambda: not is_alive(int((tmp_path / "a").read_text())), 5.0)
 
 
 PROGRAM = """

@@ -57,6 +57,11 @@ def patient(task: tuple[Path, float], stop: Stop) -> str:
     return "waited"
 
 
+def slow_to_end(task: tuple[Path, float], stop: Stop) -> str:
+    """A patient task that takes two seconds to keep its state."""
+    return patient(task, lambda: stop() and time.sleep(2.0) is None)
+
+
 def logged(task: tuple[Path, str], stop: Stop) -> None:
     """Adds a word to a file."""
     file, word = task

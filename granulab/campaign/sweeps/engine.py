@@ -19,7 +19,7 @@ from granulab.campaign.runs.sharing import cores
 from granulab.campaign.sweeps.task import EngineError, Function, Outcome, WorkerLost, in_one_line
 
 TRIES = 3  # of a task whose worker is killed
-_GRACE = 0.5  # [s] for tasks to keep their state and end
+_GRACE = 15.0  # [s] for tasks to keep their state and end: a checkpoint of a large bed
 _LOOK = 0.2  # [s] between looks for Ctrl-C
 
 
@@ -121,10 +121,10 @@ def run_tasks(
     `needs` gives, by index, the task that must be done before another starts. `engine` is
     "processes" (`workers` of them, one per core by default), "threads" of this process, for tasks
     that wait for a device, or "dask" (the cluster whose `scheduler` has this address). After
-    Ctrl-C, SIGTERM or the loss of the scheduler, what did not end is "interrupted": tasks have half
-    a second to keep their state; processes that go on (they compile, grow particles, or have long
-    frames) are killed, and go on from their last checkpoint the next time. Raises EngineError where
-    the engine cannot start.
+    Ctrl-C, SIGTERM or the loss of the scheduler, what did not end is "interrupted": tasks have 15 s
+    to keep their state; processes that go on (they compile, or grow particles) are killed, and go
+    on from their last checkpoint the next time. A second Ctrl-C kills them at once. Raises
+    EngineError where the engine cannot start.
 
     report: takes the tally some times a second, and at the end; ended: an index and its outcome
     as soon as it is known, those left out that were interrupted before they began.

@@ -394,7 +394,7 @@ def _words(tally: Tally, before: int, costs: Sequence[float]) -> tuple[float, st
     there = f" and {before} before" if before else ""
     done, left = progress_of(tally, costs)
     if tally.stopping:
-        return done, f"stopping, {tally.running} running keep their state"
+        return done, f"stopping, {tally.running} running keep their state (Ctrl-C again ends them)"
     return (
         done,
         f"{tally.done} done{there}, {tally.running} running, {tally.failed} failed, "
