@@ -118,16 +118,19 @@ def _start_or_resume(
         sim.begin_phase(shaker=shaker, gravity=gravity, time_step=one.time_step)
         sims.append(sim)
     Together(sims).compile()
+    places = [
+        folder if k == case.number else folder_beside(folder, case, k) for k in range(len(cases))
+    ]
     clock = None
     if folder.checkpoint.exists():
         put_back = partial(restore, sims, case.number)
-        clock = restored(folder, put_back, Clock, "its first cycle", warn)
+        others = [place.path for place in places if place is not folder]
+        clock = restored(folder, put_back, Clock, "its first cycle", warn, beside=others)
     clock = clock or Clock(filling_cpu_s=sum(packing.cpu_s for packing in packings))
-    others, dampers = iter(clock.beside), []
-    for k, (one, packing, sim) in enumerate(zip(cases, packings, sims, strict=True)):
-        is_lead = k == case.number
-        own = clock if is_lead else Clock(**next(others, {}))
-        place = folder if is_lead else folder_beside(folder, case, k)
+    clocks, dampers = iter(clock.beside), []
+    for one, packing, sim, place in zip(cases, packings, sims, places, strict=True):
+        is_lead = place is folder
+        own = clock if is_lead else Clock(**next(clocks, {}))
         writer = TrajectoryWriter(place.path, parts=own.parts)
         writer.write_static(*describe(one, packing))
         dampers.append(Shaken(case if is_lead else one, joined(sim), own, place, writer))

@@ -173,6 +173,22 @@ def test_a_read_that_fails_for_now_costs_no_checkpoint(begun, monkeypatch, error
     assert found == {"parts": 3}
 
 
+@pytest.mark.parametrize("harm", ["damaged", "missing"])
+def test_a_run_goes_on_from_before_the_damage_to_a_trajectory_beside_its_own(begun, harm):
+    """Such as that of a second damper on the host: the checkpoint goes with both."""
+    other = begun.path / "damper-2"
+    writer = TrajectoryWriter(other)
+    for _ in range(3):
+        writer.append({"x": np.arange(3.0)})
+        writer.flush()
+    part, said = other / "parts" / "00002.h5", []
+    part.unlink() if harm == "missing" else part.write_bytes(part.read_bytes()[:-1])
+    found = restored(begun, lambda arrays: None, dict, "its opening", said.append, beside=[other])
+    assert found == {"parts": 2}
+    assert f"{part}: {harm}" in said[0]
+    assert "computes 1 of its 3 parts again" in said[0]
+
+
 def test_checkpoints_go_where_their_seals_are_known_to_be_wrong(begun):
     for path in checkpoints(begun):
         path.write_bytes(path.read_bytes()[:-1])

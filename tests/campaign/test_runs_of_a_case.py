@@ -1,11 +1,16 @@
 """Runs of a case: results that stay true when a process is cut off, or another one is at it."""
 
 import dataclasses
+import shutil
 from contextlib import ExitStack
 
 import pytest
 from fake_simulator import FAKE, fake
+from same_run import assert_same_run
+from small_silo import the_run
 
+from damper3d.case.case import DamperCase
+from damper3d.run import protocol, vibration
 from granulab.campaign.runs.folder import BusyError, RunFolder, find_run
 from granulab.campaign.sweeps.sweep import Task, run_labelled, run_or_pack
 from granulab.errors import FolderError, Stopped
@@ -13,6 +18,16 @@ from silo2d.case.case import SiloCase
 from silo2d.run.protocol import RUNS
 
 CASE = SiloCase.load("A4")
+TWO_DAMPERS = {
+    "enclosure": {"diameter": "20 mm", "height": "25 mm"},
+    "particles": {"shape": "sphere:5mm", "count": 5},
+    "law": {"youngs_modulus": "0.1 GPa"},
+    "fill": {"settle_time": "20 ms"},
+    "run": {"cycles": 2, "discard": 0, "time_step": "5 us"},
+    "output": {"samples": 50, "frames": 10},
+    "host": {"mass": "0.1 kg", "frequency": 80.0, "damping_ratio": 0.02, "force": "2 N"},
+    "damper": [{"seed": 1}, {"seed": 2}],
+}
 
 
 class Read:
@@ -100,3 +115,25 @@ def test_a_finished_run_that_another_process_measures_again_is_no_failure(tmp_pa
         simulator = dataclasses.replace(FAKE, read=read)
         (row,) = run_labelled(simulator, [({}, fake(2))], out=tmp_path, workers=1, quiet=True)
         assert (row["state"], row["square"]) == ("done", 4)
+
+
+@pytest.mark.parametrize("parts", [["00003.h5"], [f"{k:05d}.h5" for k in range(9)]])
+def test_lost_parts_of_a_second_damper_are_computed_again_to_the_same_bits(
+    tmp_path, monkeypatch, parts
+):
+    """Some of them, or all: then the motion begins again."""
+    monkeypatch.setattr(vibration, "CHECKPOINT_WORK", 10 * 10 * 50 + 1)  # every ten samples
+    case = DamperCase.resolve({"name": "two", **TWO_DAMPERS}, "two", tmp_path)
+    protocol.run(case, out=tmp_path / "whole")
+    shutil.copytree(tmp_path / "whole" / "packings", tmp_path / "cut" / "packings")
+    looks = iter([False] * 8)
+    with pytest.raises(Stopped):
+        protocol.run(case, out=tmp_path / "cut", stop=lambda: next(looks, True))
+    run, said = the_run(tmp_path / "cut"), []
+    for name in parts:
+        (run.path / "damper-2" / "parts" / name).unlink(missing_ok=True)
+    protocol.run(case, out=tmp_path / "cut", warn=said.append)
+    assert f"damper-2/parts/{parts[0]}: missing" in said[0]
+    whole = the_run(tmp_path / "whole")
+    assert_same_run(run, whole)
+    assert_same_run(RunFolder(run.path / "damper-2"), RunFolder(whole.path / "damper-2"))

@@ -3,7 +3,7 @@
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -260,19 +260,24 @@ def restored(
     meta: type[Meta],
     start: str,
     warn: Warn,
+    *,
+    beside: Sequence[Path] = (),
 ) -> Meta | None:
     """Return the data of a checkpoint on the run (meta), once its arrays are restored.
 
     That is the newest one, or where a file is damaged the newest one that needs none of them;
     None where none is left. `warn` gets which file it is and what is computed again. start:
-    where the run then begins. Raises FolderError where a checkpoint does not fit the case, and
-    where a file cannot be read now: then none is removed.
+    where the run then begins; beside: folders of other trajectories that the checkpoint goes with,
+    of as many parts. Raises FolderError where a checkpoint does not fit the case, and where a file
+    cannot be read now: then none is removed.
     """
     # here, since h5py is slow to load
     from granulab.campaign.runs.checkpoint import checkpoints, go_back, load_checkpoint
     from granulab.campaign.runs.trajectory import part_file, whole_parts
 
-    whole, there, wrong = whole_parts(folder.path)
+    looked = [(*whole_parts(place), place) for place in (folder.path, *beside)]
+    whole, _, wrong, place = min(looked, key=lambda one: one[0])
+    there = max(one[1] for one in looked)
     for path in checkpoints(folder):
         try:
             saved, said = load_checkpoint(path)
@@ -281,7 +286,7 @@ def restored(
             continue
         try:
             if said.get("parts", 0) > whole:
-                wrong = wrong or f"{part_file(folder.path / 'parts', whole)}: missing"
+                wrong = wrong or f"{part_file(place / 'parts', whole)}: missing"
                 continue
             restore(saved)
             found = meta(**said)
