@@ -3,9 +3,11 @@
 import contextlib
 import logging
 import secrets
+import signal
 import socket
 import sys
 import threading
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import FrameType
 
@@ -17,9 +19,10 @@ HOST = "127.0.0.1"
 
 
 def serve(folder: Path, port: int, *, open_browser: bool) -> None:
-    """Serve the page of a folder until Ctrl-C.
+    """Serve the page of a folder until Ctrl-C, SIGTERM or the end of the terminal (SIGHUP).
 
-    Raises InputError, one line, where the folder is none or the port is taken.
+    The runs that it started then keep their state and end with it. Raises InputError, one line,
+    where the folder is none or the port is taken.
     """
     from granulab.campaign.output.files import refuse_unless_writable
 
@@ -44,6 +47,15 @@ def serve(folder: Path, port: int, *, open_browser: bool) -> None:
                 desk.beside.ending = True  # an answer that takes long holds up the end
                 super().handle_exit(sig, frame)
 
+            @contextlib.contextmanager
+            def capture_signals(self) -> Iterator[None]:
+                # at its end the signals that came do what they did before: most end the process
+                with super().capture_signals(), _on_hangup(self.handle_exit):
+                    try:
+                        yield
+                    finally:
+                        desk.close()
+
         config = uvicorn.Config(
             application, log_level=logging.WARNING, access_log=False, server_header=False,
             timeout_graceful_shutdown=3, ws="none",
@@ -52,11 +64,22 @@ def serve(folder: Path, port: int, *, open_browser: bool) -> None:
         click.echo(f"serves {folder.resolve()} on this machine alone; Ctrl-C ends it", err=True)
         if open_browser:
             threading.Thread(target=_show, args=(address,), daemon=True).start()
-        try:
-            with contextlib.suppress(KeyboardInterrupt):  # the way to end it
-                Server(config).run(sockets=[listening])
-        finally:
-            desk.close()
+        with contextlib.suppress(KeyboardInterrupt):  # the way to end it
+            Server(config).run(sockets=[listening])
+
+
+@contextlib.contextmanager
+def _on_hangup(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
+    """Take the end of the terminal within; not where it means nothing (nohup, Windows)."""
+    number = getattr(signal, "SIGHUP", None)
+    if number is None or signal.getsignal(number) is not signal.SIG_DFL:
+        yield
+        return
+    signal.signal(number, handler)
+    try:
+        yield
+    finally:
+        signal.signal(number, signal.SIG_DFL)
 
 
 def _listening(port: int) -> socket.socket:

@@ -75,9 +75,9 @@ class Studio:
         """The JSON that answers a file."""
         return self.request("PUT", f"files/{quote(name, safe='')}", content).json
 
-    def close(self) -> tuple[int, str]:
-        """End it as Ctrl-C does; its exit code and what it said on stderr."""
+    def close(self, number: signal.Signals = signal.SIGINT) -> tuple[int, str]:
+        """End it as Ctrl-C does, or by another signal; its exit code and its stderr."""
         if self._process.poll() is None:
-            self._process.send_signal(signal.SIGINT)
+            self._process.send_signal(number)
         _, err = self._process.communicate(timeout=60)
         return self._process.returncode, err

@@ -1,6 +1,7 @@
 """Cases on the page: the same files, refusals and digests as on the command line."""
 
 import shutil
+import signal
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -229,6 +230,17 @@ def test_a_run_goes_on_after_the_studio_has_ended_to_the_bits_of_one_never_stopp
     second.close()
     own, never_stopped = folder.read_summary(), reference.read_summary()
     assert own["state_digest"] == never_stopped["state_digest"]
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_no_run_outlives_a_studio_that_is_ended_or_loses_its_terminal(tmp_path, number):
+    one = Studio(tmp_path)
+    run = one.order("begin", simulator="silo2d", case=small(tmp_path), figures=False)["run"]
+    folder = RunFolder(tmp_path / "runs" / run)
+    wait_until(lambda: folder.state != "new", 90.0)
+    assert one.close(number)[0] == -number
+    with folder.lock():
+        pass  # nobody computes in it any more
 
 
 def test_a_finished_run_shows_results_player_and_its_case(studio, reference):
