@@ -1,14 +1,18 @@
 """What every command has in common: folders that cannot be written, faults that nobody foresaw."""
 
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from refusals import assert_refused
 from small_damper import damper3d
-from small_silo import silo2d, write_case
+from small_silo import silo2d, the_run, write_case
 
+from granulab.campaign.output.terminal import INTERVAL
 from granulab.contact.files.datafile import data_root
 
 STUDIES = data_root() / "studies"
@@ -84,3 +88,33 @@ def test_a_traceback_that_cannot_be_kept_is_no_second_fault(tmp_path, monkeypatc
     assert result.code == 3
     assert "KeyError: 'key' (at damper3d.commands.run:" in result.err
     assert "could not be kept" in result.err
+
+
+@pytest.mark.parametrize("streams", [("stdout", "stderr"), ("stderr",)])
+def test_a_run_ends_in_good_order_when_the_reader_of_its_words_goes_away(tmp_path, streams):
+    """As with `2>&1 | head -4`: it goes on in silence, keeps its result and ends with 0."""
+    reading, writing = os.pipe()
+    command = ["-m", "silo2d", "run", str(write_case(tmp_path)), "-o", str(tmp_path / "runs")]
+    whither = {"stdout": subprocess.PIPE, **dict.fromkeys(streams, writing)}
+    process = subprocess.Popen(
+        [sys.executable, *command, "--no-figures"], env={**os.environ, INTERVAL: "0.1"}, **whither
+    )
+    os.close(writing)
+    with os.fdopen(reading) as reader:
+        for _ in range(4):
+            reader.readline()
+    out, _ = process.communicate(timeout=300)
+    assert process.returncode == 0
+    assert the_run(tmp_path / "runs").state == "finished"
+    assert out is None or b"particles out" in out
+
+
+def test_a_list_ends_with_0_when_its_reader_has_gone():
+    reading, writing = os.pipe()
+    os.close(reading)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "silo2d", "list"], stdout=writing, stderr=subprocess.PIPE
+    )
+    os.close(writing)
+    assert process.communicate(timeout=100) == (None, b"")
+    assert process.returncode == 0

@@ -102,7 +102,7 @@ def run_app(app: click.Group, name: str) -> None:
     An exception that nobody foresaw (also a numerical library's) ends with the code 3, and its
     traceback is kept in a file.
     """
-    from granulab.campaign.output.terminal import StopRequest, pass_on_interrupt
+    from granulab.campaign.output.terminal import StopRequest, forget_reader, pass_on_interrupt
     from granulab.campaign.sweeps.study import StudyError
     from granulab.campaign.sweeps.task import EngineError
     from granulab.contact.files.datafile import refuse_pipe
@@ -135,8 +135,10 @@ def run_app(app: click.Group, name: str) -> None:
         fail(f"stopped; {error}", 130)
     except (KeyboardInterrupt, click.Abort):
         fail(_INTERRUPTED, 130)
-    except BrokenPipeError:
-        sys.stderr.close()  # the reader of a pipe (head) has gone: nobody is left to read a line
+    except BrokenPipeError:  # the reader of a pipe (head) has gone: nobody is left to read a line
+        forget_reader(sys.stdout)
+        sys.exit(0)
+    except SystemExit:  # what click makes of it; no command raises one
         sys.exit(0)
     except OSError as error:
         if error.errno == errno.ENAMETOOLONG:

@@ -84,6 +84,7 @@ def _sweep(
 ) -> None:
     """Run a study, or say what would be run; print its table, and raise Ended for gaps in it."""
     from granulab.campaign.output.files import refuse_unless_writable
+    from granulab.campaign.output.terminal import say
     from granulab.campaign.sweeps.cases import run_study
     from granulab.campaign.sweeps.overview import cost, plan, plan_as_text
     from granulab.campaign.sweeps.report import summary
@@ -100,7 +101,7 @@ def _sweep(
         return
     refuse_unless_writable(Path(out), "--out")
     if not quiet:
-        click.echo(cost(simulator, loaded.cases), err=True)
+        say(cost(simulator, loaded.cases))
     folder, rows = run_study(simulator, loaded, out=Path(out), quiet=quiet, **engine)
     comparison = Comparison.of(loaded.study.name, loaded.varied, quantities, rows)
     table = summary.summary(comparison, folder)

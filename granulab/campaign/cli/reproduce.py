@@ -57,11 +57,12 @@ def run_all(
 
     sweep: the simulator's module whose `run_cases` takes the options, see run_labelled.
     """
+    from granulab.campaign.output.terminal import say
     from granulab.campaign.sweeps.overview import cost
     from granulab.campaign.sweeps.sweep import lacking
 
     if not quiet:
-        click.echo(cost(simulator, lacking(cases, options.get("known", ()))), err=True)
+        say(cost(simulator, lacking(cases, options.get("known", ()))))
     rows: list[Row] = sweep.run_cases(cases, quiet=quiet, **options)
     return rows
 

@@ -10,6 +10,7 @@ import click
 
 from granulab.campaign.cli.commandline import dry_run_option, json_option, out_option, quiet_option
 from granulab.campaign.output.layout import wrapped
+from granulab.campaign.output.terminal import say
 
 _DRAWING = 8.0  # [s] that the figures and the film of a run take, about
 
@@ -83,7 +84,7 @@ def run_case(
         drawn = page or not no_figures
         _refuse_unless_writable(runnable.simulator, runnable.case, Path(out), resume, again, drawn)
         if not quiet:
-            click.echo(_in_words(runnable, Path(out), dry_run=False), err=True)
+            say(_in_words(runnable, Path(out), dry_run=False))
         draw = None if no_figures else runnable.draw
         result, paths = _computed(runnable, draw, out, resume, again, quiet)
     _say_what_plays(paths, quiet)

@@ -10,7 +10,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from time import monotonic
-from typing import Any, Self
+from typing import IO, Any, Self
 
 from granulab.errors import Stopped
 
@@ -21,6 +21,21 @@ _GRACE = 0.5  # [s] for a run to notice that it is to end
 _REDRAWN = 0.3  # s between changes of a line in a notebook
 _AGAIN = 0.05  # [s] after which a Ctrl-C that was lost comes again
 _TELLING = 0.01  # part done from which on its speed says something; before, it is start-up
+
+
+def say(line: str) -> None:
+    """Print a line on stderr; where its reader (head) has gone, what goes on is silent from now."""
+    try:
+        print(line, file=sys.stderr, flush=True)
+    except BrokenPipeError:
+        forget_reader(sys.stderr)
+
+
+def forget_reader(stream: IO[str]) -> None:
+    """Send to nowhere what a stream still holds and gets: it would fail again and again."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, stream.fileno())
+    os.close(nowhere)
 
 
 class Progress:
@@ -81,7 +96,7 @@ class Progress:
             left = _time_left(self._fraction, self._last_line - self._started)
         line = f"{self._title}: {self._fraction:.0%}{left} {text}".rstrip()
         if self._cell is None:
-            print(line, file=sys.stderr, flush=True)
+            say(line)
             return
         bar = f'<progress value="{self._fraction:.3f}"></progress> {html.escape(line)}'
         self._cell.update({"text/plain": line, "text/html": bar}, raw=True)
@@ -116,14 +131,14 @@ def patience(words: str, quiet: bool = False) -> Iterator[None]:
     """Say on stderr what takes long, after two seconds and then every ten; quiet says nothing."""
     done, begun = threading.Event(), monotonic()
 
-    def say() -> None:
+    def remind() -> None:
         after = _UNNOTICED
         while not done.wait(after):
-            print(f"{words} ... {monotonic() - begun:.0f} s", file=sys.stderr, flush=True)
+            say(f"{words} ... {monotonic() - begun:.0f} s")
             after = _LINE_INTERVAL
 
     if not quiet:
-        threading.Thread(target=say, daemon=True).start()
+        threading.Thread(target=remind, daemon=True).start()
     try:
         yield
     finally:
@@ -133,8 +148,7 @@ def patience(words: str, quiet: bool = False) -> Iterator[None]:
 def announce_compilation(quiet: bool, already_compiled: bool) -> None:
     """Say why nothing happens for a while, where kernels are compiled first."""
     if not quiet and not already_compiled:
-        line = "compiling the kernels, once for this version (half a minute) ..."
-        print(line, file=sys.stderr, flush=True)
+        say("compiling the kernels, once for this version (half a minute) ...")
 
 
 def _bar(estimates: bool):

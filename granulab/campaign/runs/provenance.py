@@ -11,6 +11,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from granulab.campaign.output.terminal import say
+
 Warn = Callable[[str], None]
 
 
@@ -30,7 +32,7 @@ def source_digest(package_folders: Iterable[str | Path]) -> str:
 
 def to_stderr(line: str) -> None:
     """A warning for a person."""
-    print(f"warning: {line}", file=sys.stderr)
+    say(f"warning: {line}")
 
 
 _OUTSIDE: dict[Path, list[Path]] = {}  # by folder of code, the files that extend it
