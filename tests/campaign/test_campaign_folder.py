@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from granulab.campaign.cli.library import write_output
 from granulab.campaign.output.files import write_atomic
 from granulab.campaign.runs.folder import SCHEMA, RunFolder, digest, open_run, resume_run
 from granulab.errors import FolderError
@@ -192,6 +193,31 @@ def test_lock_keeps_others_off_and_ends_with_a_killed_holder(tmp_path):
         holder.wait()
     with run.lock():
         pass
+
+
+def test_a_lock_that_is_a_link_empties_no_file_elsewhere(tmp_path):
+    """As a stranger's run folder may hold one."""
+    other, run = tmp_path / "other", RunFolder(tmp_path / "run")
+    other.write_text("precious")
+    run.path.mkdir()
+    (run.path / ".lock").symlink_to(other)
+    with pytest.raises(FolderError), run.lock():
+        pass
+    assert other.read_text() == "precious"
+
+
+@pytest.mark.parametrize("name", ["figures", "export"])
+def test_pictures_and_exports_replace_no_file_where_a_run_s_link_leads(tmp_path, name):
+    outside, run = tmp_path / "outside", tmp_path / "run"
+    outside.mkdir()
+    run.mkdir()
+    (outside / "a.csv").write_text("precious")
+    (run / name).symlink_to(outside)
+    write_output(run / name / "b.csv", b"")  # of no run: where a person wants it
+    (run / "case.toml").touch()
+    with pytest.raises(FolderError, match=f"{name}: a link that leads out.*; remove it"):
+        write_output(run / name / "a.csv", b"")
+    assert (outside / "a.csv").read_text() == "precious"
 
 
 def test_lock_is_given_back_after_an_error(tmp_path):

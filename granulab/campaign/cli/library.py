@@ -198,6 +198,8 @@ def write_output(path: Path, content: bytes) -> Path:
             path.parent.mkdir(parents=True, exist_ok=True)
         write_atomic(path, content)
     except FolderError as error:
+        if error.__cause__ is None:  # a link, which another place does not cure
+            raise
         reason = getattr(error.__cause__, "strerror", None) or "no reason given"
         raise FolderError(
             f"{path}: cannot be written ({reason}); make room there, or choose another place "

@@ -12,6 +12,8 @@ from pathlib import Path
 
 from granulab.errors import FolderError
 
+_OF_A_RUN = ("figures", "export")  # folders that what shows a run writes to
+
 
 @contextmanager
 def writing(path: Path, option: str = "--out") -> Iterator[None]:
@@ -49,9 +51,10 @@ def replacing(path: str | Path) -> Iterator[io.FileIO]:
     """A new file that takes the place of one when the enclosed lines end, and none when they fail.
 
     At any moment, also after kill -9, the file is the old or the new one whole. Raises FolderError
-    when it cannot be written (no permission, disk full).
+    when it cannot be written (no permission, disk full), or a run folder's link leads elsewhere.
     """
     path = Path(path)
+    _refuse_link_out(path.parent)
     # A name of its own: two processes may write the same file at once (a shared packing).
     part = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
     with writing(path):
@@ -63,6 +66,15 @@ def replacing(path: str | Path) -> Iterator[io.FileIO]:
         except BaseException:
             part.unlink(missing_ok=True)
             raise
+
+
+def _refuse_link_out(folder: Path) -> None:
+    """Raise FolderError for the folder of a run's pictures or exports that is a link.
+
+    The run may be a stranger's, who would have files elsewhere replaced.
+    """
+    if folder.name in _OF_A_RUN and folder.is_symlink() and (folder.parent / "case.toml").exists():
+        raise FolderError(f"{folder}: a link that leads out of the run folder; remove it")
 
 
 def in_shell(word: str) -> str:
