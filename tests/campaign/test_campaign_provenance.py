@@ -16,6 +16,7 @@ from granulab.campaign.runs.provenance import (
     Sources,
     arithmetic,
     check_arithmetic,
+    check_versions,
     extend,
     in_words,
     provenance,
@@ -142,6 +143,30 @@ def test_another_arithmetic_is_said_in_one_line_and_an_unknown_one_is_not():
     assert line.startswith("a run was begun with another arithmetic (")
     assert "core Abacus" in line
     assert f"here {in_words(here)}" in line
+
+
+def test_other_versions_of_what_computes_are_said_in_one_line():
+    """Not those of what only stores, nor of what was not installed or is not kept."""
+    said, here = [], {"python": platform.python_version(), "numpy": np.__version__}
+    for versions in ({}, here, here | {"h5py": "0.1"}, here | {"numba": None}, {"gone": "1.0"}):
+        check_versions("a run was begun", {"versions": versions}, said.append)
+    check_versions("a run was begun", {}, said.append)
+    assert said == []
+    check_versions("a run was begun", {"versions": here | {"numpy": "1.0"}}, said.append)
+    assert said == [
+        f"a run was begun with numpy 1.0 (here numpy {np.__version__}), so that its bits may not "
+        "come again here"
+    ]
+
+
+def test_a_run_begun_with_other_versions_is_gone_on_with_after_a_warning(
+    reference, tmp_path, capsys
+):
+    folder = RunFolder(shutil.copytree(reference.path, tmp_path / reference.path.name))
+    origin = folder.read_provenance()
+    folder.write_provenance({**origin, "versions": origin["versions"] | {"numba": "0.1"}})
+    assert silo.resume(folder.path).reused
+    assert "was begun with numba 0.1 (here numba " in capsys.readouterr().err
 
 
 def test_a_run_of_another_arithmetic_is_read_with_a_warning(reference, tmp_path, capsys):

@@ -16,6 +16,7 @@ from granulab.campaign.runs.provenance import (
     Sources,
     Warn,
     check_arithmetic,
+    check_versions,
     provenance,
     to_stderr,
 )
@@ -206,6 +207,7 @@ class Runs(Generic[Case, Found]):
             cure = "--again computes it again in a new folder"
             sources.check(what, origin.get("source_digest"), cure, warn)
             check_arithmetic(what, origin, warn)
+            check_versions(what, origin, warn)
             return
         for name, text in case.files.items():
             write_atomic(folder.path / name, text)

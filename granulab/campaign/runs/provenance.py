@@ -14,6 +14,7 @@ from typing import Any
 from granulab.campaign.output.terminal import say
 
 Warn = Callable[[str], None]
+_STORES = ("h5py",)  # every bit as it is, in any version
 
 
 def source_digest(package_folders: Iterable[str | Path]) -> str:
@@ -91,10 +92,7 @@ def provenance(
     return {
         "command": command,
         "granulab": _version("granulab"),
-        "versions": {
-            "python": platform.python_version(),
-            **{package: _version(package) for package in packages},
-        },
+        "versions": {name: _version(name) for name in ("python", *packages)},
         "source_digest": known.digest,
         "seed": seed,
         "arithmetic": arithmetic(),
@@ -188,7 +186,22 @@ def check_arithmetic(what: str, origin: Mapping[str, Any], warn: Warn) -> None:
     )
 
 
+def check_versions(what: str, origin: Mapping[str, Any], warn: Warn) -> None:
+    """Warn where a run was begun with other versions of what computes than this process has.
+
+    What was not installed computed nothing.
+    """
+    made = {name: v for name, v in origin.get("versions", {}).items() if v and name not in _STORES}
+    here = {name: _version(name) for name in made}
+    differ = [name for name in made if here[name] not in (None, made[name])]
+    if differ:
+        words = [", ".join(f"{name} {of[name]}" for name in differ) for of in (made, here)]
+        warn(f"{what} with {words[0]} (here {words[1]}), so that its bits may not come again here")
+
+
 def _version(package: str) -> str | None:
+    if package == "python":
+        return platform.python_version()
     try:
         return version(package)
     except PackageNotFoundError:
