@@ -116,12 +116,11 @@ def test_words_and_whole_numbers(tmp_path):
     [
         ('{start = "100 mm", stop = "150 mm", step = "25 mm"}', [0.1, 0.125, 0.15]),
         ('{start = "15 cm", stop = "100 mm", step = "-25 mm"}', [0.15, 0.125, 0.1]),
-        ('{start = "100 mm", stop = "140 mm", step = "25 mm"}', [0.1, 0.125]),
         ('{start = "100 mm", stop = "150 mm", number = 3}', [0.1, 0.125, 0.15]),
         ('{start = "40 mm", stop = "160 mm", number = 3, log = true}', [0.04, 0.08, 0.16]),
     ],
 )
-def test_ranges_hold_both_ends_that_the_step_meets(tmp_path, written, expected):
+def test_ranges_hold_both_ends(tmp_path, written, expected):
     assert values(tmp_path, written, "silo.outlet") == expected
 
 
@@ -230,6 +229,14 @@ BAD: list[tuple[str, list[str]]] = [
     ("[vary]\nlaw.mu_wall = {start = 1, stop = 2, stepp = 1}", ["'stepp'", "mean 'step'?"]),
     ("[vary]\nlaw.mu_wall = {start = 0, stop = 1, step = -0.1}", ["step = -0.1", "from 0 to 1"]),
     ("[vary]\nlaw.mu_wall = {start = 0, stop = 1, step = 0}", ["step = 0", "does not lead"]),
+    (
+        "[vary]\nlaw.mu_wall = {start = 0.1, stop = 0.5, step = 0.3}",
+        ["law.mu_wall: stop = 0.5 is 1.333 steps of 0.3 from 0.1", "another stop or step"],
+    ),
+    (
+        '[vary]\nsilo.outlet = {start = "100 mm", stop = "140 mm", step = "1e-320 mm"}',
+        ["silo.outlet: inf values", "at most 10,000"],
+    ),
     ("[vary]\nlaw.mu_wall = {start = 0, stop = 1, number = 1}", ["number = 1", "2 or more"]),
     ("[vary]\nlaw.mu_wall = {start = 0, stop = 1, number = 3, log = true}", ["above 0"]),
     ('[vary]\nlaw.kn = {start = "1 N/m", stop = 2, number = 3}', ["law.kn = 2", "unit is missing"]),
@@ -245,6 +252,7 @@ BAD: list[tuple[str, list[str]]] = [
     # numbers of runs
     ("seeds = 0", ["seeds = 0", "how many"]),
     ("seeds = [1, 1.5]", ["seeds = [1, 1.5]", "a list"]),
+    ("seeds = [1, 99999999999999999999]", ["seeds = [1, 9", "0 to 9223372036854775807"]),
     ("draw_seed = -1", ["draw_seed = -1"]),
     ("seeds = 1000000", ["too many runs", f"{MAX_RUNS:,}"]),
     ("[vary]\nlaw.mu_wall = {start = 0, stop = 1, step = 1e-9}", ["1,000,000,001 values"]),

@@ -13,6 +13,7 @@ _DRAWN = {
     "lognormal": ("mean", "sd", "min", "max"),
     "uniform": ("min", "max"),
 }
+_OFF = 1e-6  # of a step that stop may be off, by rounding
 _DIGITS = 12  # that a value of a range or a distribution has: 0.3, not 0.30000000000000004
 
 
@@ -70,8 +71,14 @@ def _range(
                 f"{where}: step = {table['step']!r} does not lead from {table['start']!r} to "
                 f"{table['stop']!r}"
             )
-        count = int((stop - start) / step + 1e-6) + 1
-        _check_count(count, where, most)
+        steps = (stop - start) / step
+        _check_count(steps + 1, where, most)
+        count = round(steps) + 1
+        if abs(steps - round(steps)) > _OFF:
+            raise SeriesError(
+                f"{where}: stop = {table['stop']!r} is {steps:.4g} steps of {table['step']!r} from "
+                f"{table['start']!r}, no whole number; give another stop or step, or number"
+            )
         return [_tidy(start + k * step) for k in range(count)]
     count = _count(table, where, most, least=2)
     if log:
@@ -158,9 +165,9 @@ def _count(table: dict[str, Any], where: str, most: int, least: int) -> int:
     return count
 
 
-def _check_count(count: int, where: str, most: int) -> None:
-    if count > most:
-        raise SeriesError(f"{where}: {count:,} values; at most {most:,} runs in one study")
+def _check_count(count: float, where: str, most: int) -> None:
+    if not count < most + 1:
+        raise SeriesError(f"{where}: {count:,.12g} values; at most {most:,} runs in one study")
 
 
 def _check_names(

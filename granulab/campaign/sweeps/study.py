@@ -18,6 +18,7 @@ from granulab.errors import InputError
 
 SCHEMA = 1
 MAX_RUNS = 10_000  # more is taken for a slip
+MAX_SEED = 2**63 - 1  # of a case too: what a table holds
 
 Reader = Callable[[str, Any], Any]  # key and value as written -> number in SI, or a word
 
@@ -70,8 +71,8 @@ def _study(document: dict[str, Any], stem: str, text: str, read: Reader) -> Stud
     except ValueError as error:
         raise StudyError(str(error)) from None
     draw_seed = document.get("draw_seed", 1)
-    if not _is_count(draw_seed):
-        raise StudyError(f"draw_seed = {draw_seed!r}: must be an integer, 0 or more")
+    if not _is_seed(draw_seed):
+        raise StudyError(f"draw_seed = {draw_seed!r}: must be an integer, 0 to {MAX_SEED}")
     cases, seeds = _cases(document.get("case")), _seeds(document.get("seeds", 1))
     vary = _axes(document.get("vary", {}))
     axes = [(keys, series(written, keys, read, draw_seed, MAX_RUNS)) for keys, written in vary]
@@ -169,9 +170,16 @@ def _seeds(written: Any) -> tuple[int, ...]:
     """Seeds as listed, or 1 to a count."""
     if _is_count(written) and written > 0:
         return tuple(range(1, min(written, MAX_RUNS + 1) + 1))
-    if isinstance(written, list) and written and all(map(_is_count, written)):
+    if isinstance(written, list) and written and all(map(_is_seed, written)):
         return tuple(dict.fromkeys(written))
-    raise StudyError(f"seeds = {written!r}: write how many (seeds 1, 2, ...), or a list [1, 4, 7]")
+    raise StudyError(
+        f"seeds = {written!r}: write how many (seeds 1, 2, ...), or a list [1, 4, 7] of seeds 0 to "
+        f"{MAX_SEED}"
+    )
+
+
+def _is_seed(value: Any) -> bool:
+    return _is_count(value) and value <= MAX_SEED
 
 
 def _is_count(value: Any) -> bool:
