@@ -47,11 +47,14 @@ def holds(rule, made, **limits):
 @pytest.mark.parametrize(("rule", "limits", "right", "wrong"), [
     ("each", {"above": 0.3}, items(0.4, 0.31), items(0.4, 0.3)),
     ("each", {"above": 0.3}, items(0.4), items(0.4, NAN)),  # what lacks is not above
+    ("each", {"above": 0.3, "beyond_noise": True},
+     items(0.4, noise=[0.05]), items(0.4, NAN, noise=[0.05, 0.05])),
     ("each", {"below": 1}, items(0.9), items(1.0)),
     ("each", {"at_least": -0.2, "at_most": 0.2}, items(-0.2, 0.2), items(-0.21, 0.2)),
     ("each", {"equal": 2}, items(2.0, 2.0), items(2.0, 1.5)),
     ("each", {"above": "limit"}, items(2.0, 3.0, limit=[1, 2]), items(2.0, 3.0, limit=[1, 3])),
     ("steps", {"along": "x", "way": "rises"}, items(1.0, 2.0, 3.0), items(1.0, 3.0, 2.0)),
+    ("steps", {"along": "x", "way": "rises"}, items(0.0, 2.0), items(0.0, 0.0)),
     ("steps", {"along": "x", "way": "falls"}, items(3.0, 2.0), items(3.0, 3.0)),
     ("steps", {"along": "x", "way": "rises", "per": ["g"]},
      items(1.0, 2.0, 1.5, 2.5, g=[1, 1, 2, 2]), items(1.0, 2.0, 2.5, 1.5, g=[1, 1, 2, 2])),

@@ -202,3 +202,10 @@ def test_trials_repeated_until_some_fail_have_the_moments_of_a_beta():
     """No k before 3 failures: the mean of (1 - p)^3 over Beta(12.5, 8.5), a product."""
     expected = (8.5 * 9.5 * 10.5) / (21 * 22 * 23)
     assert chance_of_few([Counts(0, 3, 12, 20)]) == pytest.approx(expected, rel=1e-9)
+
+
+def test_trials_of_which_none_failed_end_before_the_first():
+    """None is repeated there: their successes are 0, and those of another stratum decide."""
+    assert chance_of_few([Counts(3, 3, 12, 20)]) == 1.0
+    both = chance_of_few([Counts(2, 2, 12, 20), Counts(1, 4, 12, 20)])
+    assert both == pytest.approx(chance_of_few([Counts(3, 6, 12, 20)]), rel=1e-12)

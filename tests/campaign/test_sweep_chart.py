@@ -119,7 +119,7 @@ def test_a_number_that_was_drawn_makes_a_scatter_with_its_rank_correlation():
     panel = panels(drawn([DRAWN], rows))["speed [m/s]"]
     (points,) = [line for line in panel.get_lines() if len(line.get_xdata()) == 4]
     assert dict(zip(*points.get_data(), strict=True)) == {v: v**2 for v in (0.3, 0.1, 0.5, 0.4)}
-    assert panel.get_title(loc="right") == "ρ +1.00 [+1.00, +1.00], n = 4"
+    assert panel.get_title(loc="right") == "ρ +1.00 [\u22120.85, +1.00], n = 4"
 
 
 def test_more_keys_make_main_effects_over_all_combinations():

@@ -88,9 +88,19 @@ def test_rank_correlation_of_ranks_and_its_interval():
     assert (found.low, found.high) == pytest.approx(
         (math.tanh(math.atanh(r) - half), math.tanh(math.atanh(r) + half)), rel=1e-6
     )
-    assert rank_correlation(x, [v**3 for v in x]).low == 1.0
     assert rank_correlation(x[:3], y[:3]) is None
     assert rank_correlation(x, [1.0] * 5) is None
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_few_pairs_in_order_leave_their_rank_correlation_open(sign):
+    """Four are in order, or in reverse, once in twelve by chance; twenty are not."""
+    found = rank_correlation(range(4), [sign * v**3 for v in range(4)])
+    assert found.value == sign
+    assert found.low < 0 < found.high
+    assert sign in (found.low, found.high)
+    many = rank_correlation(range(20), [sign * v for v in range(20)])
+    assert min(abs(many.low), abs(many.high)) > 0.8
 
 
 # Axes

@@ -63,6 +63,7 @@ def each(
             holds &= holds_at(at)
             if beyond_noise:
                 hidden |= ~((value - at).abs() > items["noise"]).to_numpy(bool)
+    hidden &= value.notna().to_numpy(bool)  # what lacks fails, whatever its noise
     verdicts = [None if h else bool(v) for h, v in zip(hidden, holds, strict=True)]
     return Outcome(items, items, verdicts if len(items) >= need else [])
 
@@ -72,7 +73,7 @@ def steps(
 ) -> Outcome:
     """The value rises or falls (way) with every step of a label; a case is a step: low, high.
 
-    The value of a case is the ratio of its two ends.
+    The value of a case is the ratio of its two ends, NaN over a low end of 0.
     """
     from pandas import DataFrame
 
@@ -83,8 +84,8 @@ def steps(
         own = own.sort_values(along)
         values, points = own["value"].tolist(), own[along].tolist()
         for k in range(1, len(own)):
-            found.append(labels | {"low": points[k - 1], "high": points[k],
-                                   "value": values[k] / values[k - 1]})  # fmt: skip
+            times = values[k] / values[k - 1] if values[k - 1] else np.nan
+            found.append(labels | {"low": points[k - 1], "high": points[k], "value": times})
             verdicts.append(sign * (values[k] - values[k - 1]) > 0)
     return Outcome(items, DataFrame(found), verdicts if len(items) >= need else [])
 

@@ -86,13 +86,14 @@ def chance_of_shares(strata: Sequence[Counts]) -> float:
 def chance_of_few(strata: Sequence[Counts]) -> float:
     """Chance that trials repeated until n - k of each stratum fail give at most the total k.
 
-    The shares are those of the other trials, with Jeffreys' prior: k is beta negative binomial.
+    The shares are those of the other trials, with Jeffreys' prior: k is beta negative binomial. A
+    stratum that has none to fail ends before its first trial: none of its trials holds.
     """
     import numpy as np
     from scipy.stats import betanbinom
 
     most, total = sum(one.k for one in strata), np.ones(1)
-    for one in strata:
+    for one in [one for one in strata if one.k < one.n]:
         prior = one.other_n - one.other_k + 0.5, one.other_k + 0.5
         law = betanbinom(one.n - one.k, *prior).pmf(np.arange(most + 1))
         total = np.convolve(total, law)[: most + 1]
@@ -200,15 +201,18 @@ def rank_correlation(x: Sequence[float], y: Sequence[float]) -> Correlation | No
     """Spearman's rank correlation; None of fewer than four pairs, or where either has one value.
 
     Its interval is Fisher's z with the variance (1 + r^2/2)/(n - 3): Bonett and Wright,
-    Psychometrika 65 (2000) 23.
+    Psychometrika 65 (2000) 23. Of pairs all in order, where z is infinite, it is that of r pulled
+    in by 1/n, up to r: four pairs are in order once in twelve by chance.
     """
     from scipy.stats import norm, spearmanr
 
     if len(x) < 4 or len(set(x)) < 2 or len(set(y)) < 2:
         return None
     value = float(spearmanr(x, y).statistic)
+    inner = value
     if abs(value) >= 1.0 - 1e-12:
-        return Correlation(round(value), round(value), round(value))
-    half = float(norm.ppf(0.5 + CONFIDENCE / 2)) * math.sqrt((1 + value**2 / 2) / (len(x) - 3))
-    ends = [math.tanh(math.atanh(value) + sign * half) for sign in (-1, 1)]
-    return Correlation(value, *ends)
+        value = float(round(value))
+        inner = value * (1 - 1 / len(x))
+    half = float(norm.ppf(0.5 + CONFIDENCE / 2)) * math.sqrt((1 + inner**2 / 2) / (len(x) - 3))
+    low, high = (math.tanh(math.atanh(inner) + sign * half) for sign in (-1, 1))
+    return Correlation(value, min(low, value), max(high, value))
