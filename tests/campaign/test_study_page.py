@@ -10,7 +10,11 @@ from small_damper import damper3d
 from small_silo import silo2d
 
 from granulab.campaign.output.page.study import page_of, study_page
-from granulab.campaign.output.table import write_table
+from granulab.campaign.output.table import as_parquet, write_table
+from granulab.campaign.runs.folder import RunFolder
+from granulab.campaign.sweeps.report.comparison import Comparison, Varied
+from granulab.campaign.sweeps.report.quantities import Quantities
+from granulab.campaign.sweeps.report.summary import summary, write_ranking
 
 KEPT = Path(__file__).parents[1] / "data" / "kept"
 
@@ -103,6 +107,34 @@ def test_runs_get_their_pages_and_those_without_frames_are_counted(finished, tmp
     assert done.err.startswith("1 of its runs without a page: ")
     links = data_of((study / "page.html").read_text("utf-8"))["tables"][0]["links"]
     assert [link is not None for link in links] == [True, False]
+
+
+@pytest.mark.parametrize("name", ["table.parquet", "ranking.parquet", "runs/table.parquet"])
+def test_a_table_that_was_changed_is_not_shown(tmp_path, name):
+    """Another whole table in the place of a sealed one; a map seals that of its runs too."""
+    study = write_study(tmp_path, [("a", {"x": 1.0})])
+    own, other = (
+        as_parquet([{"x": x, "seed": 1, "state": "done", "run_folder": ""}]) for x in (1.0, 2.0)
+    )
+    (study / "runs").mkdir()
+    (study / "runs" / "table.csv").touch()
+    for one in ("ranking.parquet", "runs/table.parquet"):
+        (study / one).write_bytes(own)
+    folder = RunFolder(study)
+    folder.write_provenance({})
+    folder.seal("table.parquet", "ranking.parquet", "runs/table.parquet")
+    assert silo2d("view", study).code == 0
+    (study / name).write_bytes(other)
+    assert_refused(silo2d("view", study), f"{study / name}", "changed since", "its sweep or map")
+
+
+def test_the_files_of_a_ranking_are_sealed(tmp_path):
+    folder = RunFolder(tmp_path)
+    folder.write_provenance({})
+    rows = [{"x": float(k), "seed": 1, "state": "done", "run_folder": ""} for k in range(2)]
+    comparison = Comparison.of("one", (Varied("x", "a.x"),), Quantities(), rows)
+    write_ranking(tmp_path, comparison, summary(comparison, tmp_path))
+    assert folder.seals().keys() == {"ranking.csv", "ranking.parquet"}
 
 
 def test_a_damaged_table_and_a_folder_of_something_else_are_refused(tmp_path):

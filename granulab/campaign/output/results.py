@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 from granulab.campaign.output.figure import write_figure
 from granulab.campaign.output.files import write_atomic, writing
 from granulab.campaign.output.table import as_csv, as_parquet, read_parquet
+from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.provenance import in_words, provenance
-from granulab.errors import FolderError
+from granulab.campaign.runs.seal import sha256_of
+from granulab.errors import DamagedError, FolderError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -94,6 +96,28 @@ def read_results(
         raise FolderError(f"{path}: not a table of {by}, or cut short; make it again")
     rows = [{key: _value(key, text) for key, text in row.items()} for row in table]
     return head, rows
+
+
+def read_of_study(folder: Path, name: str) -> tuple[dict[str, str], list[Row]]:
+    """Origin and rows of a table in the folder of a sweep or map, once its seal is found to hold.
+
+    Raises FolderError as read_results does, and where it was changed; a version before seals kept
+    nothing to compare with.
+    """
+    path, by = folder / name, "its sweep or map"
+    seal = RunFolder(folder).seals().get(name)
+    try:
+        whole = seal is None or sha256_of(path) == seal
+    except OSError as error:
+        raise FolderError(
+            f"{path}: cannot be read ({error.strerror}); make it again with {by}"
+        ) from None
+    if not whole:
+        raise DamagedError(
+            f"{path}: cannot be read (changed since it was written, or damaged); make it again "
+            f"with {by}"
+        )
+    return read_results(path, by)
 
 
 def _value(key: str, text: str) -> Any:

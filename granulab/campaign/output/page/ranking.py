@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from granulab.campaign.output.layout import share_within, with_half_width
-from granulab.campaign.output.results import read_results
+from granulab.campaign.output.results import read_of_study
 
 _FILE = "ranking.parquet"
 _PARTS = ("mean", "sd", "n", "low", "high")  # of an estimate: columns "efficiency.mean", ...
@@ -18,12 +18,11 @@ def ranking_table(folder: Path) -> dict[str, Any] | None:
     """The table of the combinations of a study, the best first; None where it has none.
 
     A cell is a value, or words and the number by which they are sorted. Raises FolderError where
-    the file cannot be read.
+    the file cannot be read, or was changed.
     """
-    path = folder / _FILE
-    if not path.is_file():
+    if not (folder / _FILE).is_file():
         return None
-    about, rows = read_results(path, "its sweep or map")
+    about, rows = read_of_study(folder, _FILE)
     names = [name for name in rows[0] if name not in _ALSO and not _is_part(name, rows[0])]
     columns = [name for name in names if any(_cell(name, row) is not None for row in rows)]
     cells = [[_cell(name, row) for name in columns] for row in rows]

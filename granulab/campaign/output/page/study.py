@@ -9,7 +9,7 @@ from urllib.parse import quote
 
 from granulab.campaign.output.page.document import document, picture
 from granulab.campaign.output.page.ranking import ranking_table
-from granulab.campaign.output.results import read_results
+from granulab.campaign.output.results import read_of_study
 from granulab.errors import FolderError
 
 SCRIPTS = ("data.js", "scale.js", "theme.js", "curves.js", "points.js", "study.js")
@@ -32,7 +32,7 @@ def is_study(folder: Path) -> bool:
 
 def runs_of(folder: Path) -> list[Path]:
     """Folders of the runs of a sweep or map, those that are there, each once."""
-    rows = _read(_tables(folder)[-1])
+    rows = _read(folder, _tables(folder)[-1])
     found = [_run_folder(_tables(folder)[-1].parent, row) for row in rows]
     return list(dict.fromkeys(run for run in found if run is not None))
 
@@ -41,9 +41,9 @@ def study_page(folder: Path, answers: Sequence[str], target: Path) -> str:
     """The page of a sweep or map, to stand at `target`, from which its links lead.
 
     answers: the columns of numbers that matter most. Raises FolderError for a folder whose table
-    cannot be read.
+    cannot be read, or was changed.
     """
-    tables = [_table(path, answers, target.parent) for path in _tables(folder)]
+    tables = [_table(folder, path, answers, target.parent) for path in _tables(folder)]
     rows = tables[-1]["rows"]
     state = tables[-1]["columns"].index("state") if "state" in tables[-1]["columns"] else None
     done = len(rows) if state is None else sum(row[state] == "done" for row in rows)
@@ -69,15 +69,16 @@ def _tables(folder: Path) -> list[Path]:
     ]  # a version before Parquet wrote CSV only
 
 
-def _read(path: Path) -> list[Row]:
+def _read(folder: Path, path: Path) -> list[Row]:
+    """The rows of a table of a study."""
+    _, rows = read_of_study(folder, path.relative_to(folder).as_posix())
     return [
-        {key: value for key, value in row.items() if not isinstance(value, dict)}
-        for row in read_results(path, "its sweep or map")[1]
+        {key: value for key, value in row.items() if not isinstance(value, dict)} for row in rows
     ]
 
 
-def _table(path: Path, answers: Sequence[str], start: Path) -> dict[str, Any]:
-    rows = _read(path)
+def _table(folder: Path, path: Path, answers: Sequence[str], start: Path) -> dict[str, Any]:
+    rows = _read(folder, path)
     names = [n for n in dict.fromkeys(k for row in rows for k in row) if n not in _OF_THE_MACHINE]
     has_runs = any("run_folder" in row for row in rows)
     labels = names[: names.index("seed") + 1] if "seed" in names else names[:2]

@@ -11,6 +11,7 @@ from granulab.campaign.output.files import write_atomic
 from granulab.campaign.output.layout import paragraphs, wrapped
 from granulab.campaign.output.page.study import study_page
 from granulab.campaign.output.table import as_csv, as_parquet
+from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.sweeps.report.chart import draw_sweep
 from granulab.campaign.sweeps.report.comparison import Comparison
 from granulab.campaign.sweeps.report.quantities import Quantities, Rows
@@ -98,11 +99,16 @@ def _labels(comparison: Comparison, row: dict[str, Any]) -> str:
 
 
 def write_ranking(folder: Path, comparison: Comparison, table: dict[str, Any]) -> None:
-    """Write ranking.csv and ranking.parquet, a row a combination; FolderError where that fails."""
+    """Write ranking.csv and ranking.parquet, a row a combination, and seal them.
+
+    Raises FolderError where that fails. A folder without a provenance has no place for seals.
+    """
     notes = [f"ranked by {order_in_words(comparison.quantities)}", *notes_on(comparison)]
     write_atomic(folder / "ranking.csv", as_csv(table["ranking"]))
     about = {"notes": ". ".join(notes)}
     write_atomic(folder / "ranking.parquet", as_parquet(table["ranking"], about))
+    if (folder / "provenance.json").exists():
+        RunFolder(folder).seal("ranking.csv", "ranking.parquet")
 
 
 def write_pictures(
