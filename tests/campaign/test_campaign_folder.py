@@ -3,6 +3,7 @@
 import math
 import os
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -13,9 +14,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from granulab.campaign.cli.library import write_output
+from granulab.campaign.cli.library import packings_and_runs, write_output
 from granulab.campaign.output.files import write_atomic
 from granulab.campaign.runs.folder import SCHEMA, RunFolder, digest, open_run, resume_run
+from granulab.campaign.runs.verify import verify
 from granulab.errors import FolderError
 
 
@@ -237,6 +239,39 @@ def test_holder_clears_what_a_killed_writer_left(tmp_path):
     with run.lock():
         assert not any(rest.exists() for rest in rests)
     assert run.read_case() == "schema = 1\n"
+
+
+@pytest.mark.parametrize("name", ["figures", "export"])
+def test_holder_leaves_alone_what_another_process_draws_or_exports_now(tmp_path, name):
+    """These take no lock; what is older than an hour nobody writes any more."""
+    run = begun(open_run(tmp_path, "A4", "d"))
+    (run.path / name).mkdir()
+    now, long_ago = (run.path / name / f".{word}.png.0a1b2c3d.tmp" for word in ("now", "old"))
+    for rest in (now, long_ago):
+        rest.write_bytes(b"half")
+    os.utime(long_ago, (0, 0))
+    with run.lock():
+        assert now.exists()
+        assert not long_ago.exists()
+
+
+@pytest.mark.parametrize("look", [verify, lambda root: packings_and_runs(root, "silo", str)])
+def test_parts_that_go_while_somebody_looks_are_no_error(tmp_path, monkeypatch, look):
+    """As of a run that ends: its parts are there when their folder is listed, and then not."""
+    run = open_run(tmp_path, "A4", "d")
+    run.write_case('[silo]\npreset = "A4"\n')
+    parts, scandir = run.path / "parts", os.scandir
+    parts.mkdir()
+    (parts / "00000.h5").touch()
+
+    def scan(path):
+        if str(path) == str(parts):
+            shutil.rmtree(parts, ignore_errors=True)
+        return scandir(path)
+
+    monkeypatch.setattr(os, "scandir", scan)
+    look(tmp_path)
+    assert not parts.exists()
 
 
 def test_folder_module_is_light():

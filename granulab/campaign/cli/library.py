@@ -2,6 +2,7 @@
 
 import importlib
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -9,7 +10,7 @@ from typing import Any, NamedTuple
 import click
 
 from granulab.campaign.cli.commandline import Ended, out_option
-from granulab.campaign.output.files import in_shell, write_atomic, writing
+from granulab.campaign.output.files import below, in_shell, write_atomic, writing
 from granulab.campaign.output.layout import wrapped
 from granulab.campaign.runs.folder import RunFolder, resume_run
 from granulab.errors import FolderError, InputError
@@ -303,5 +304,8 @@ def _state(folder: Path, result: Callable[[dict[str, Any]], str]) -> str:
 
 def _size(*places: Path) -> str:
     """Size of folders, or of files, with all that they hold."""
-    files = (file for place in places for file in (place, *place.rglob("*")) if file.is_file())
-    return f"{sum(file.stat().st_size for file in files) / 1e6:.1f} MB"
+    total = 0
+    for file in (file for place in places for file in (place, *below(place))):
+        with suppress(FileNotFoundError):  # of a run that goes on
+            total += file.stat().st_size if file.is_file() else 0
+    return f"{total / 1e6:.1f} MB"

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from granulab.errors import FolderError
 
-_OF_A_RUN = ("figures", "export")  # folders that what shows a run writes to
+SHOWN = ("figures", "export")  # folders of a run that what shows it writes to, without its lock
 
 
 @contextmanager
@@ -73,8 +73,22 @@ def _refuse_link_out(folder: Path) -> None:
 
     The run may be a stranger's, who would have files elsewhere replaced.
     """
-    if folder.name in _OF_A_RUN and folder.is_symlink() and (folder.parent / "case.toml").exists():
+    if folder.name in SHOWN and folder.is_symlink() and (folder.parent / "case.toml").exists():
         raise FolderError(f"{folder}: a link that leads out of the run folder; remove it")
+
+
+def below(folder: Path) -> Iterator[Path]:
+    """All files and folders below a folder; what goes meanwhile, as parts of a run do, is no error.
+
+    Links are given and not followed; what cannot be read is left out.
+    """
+
+    def pass_over(error: OSError) -> None:
+        if not isinstance(error, FileNotFoundError | NotADirectoryError | PermissionError):
+            raise error
+
+    for place, folders, files in os.walk(folder, onerror=pass_over):
+        yield from (Path(place) / name for name in (*folders, *files))
 
 
 def in_shell(word: str) -> str:

@@ -3,19 +3,21 @@
 import hashlib
 import json
 import shutil
+import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 from typing import Any, Literal
 
-from granulab.campaign.output.files import in_shell, write_atomic, writing
+from granulab.campaign.output.files import SHOWN, below, in_shell, write_atomic, writing
 from granulab.campaign.runs.seal import NotSealed, open_kept, opened_json, sealed_json, sha256_of
 from granulab.errors import DamagedError, FolderError
 
 SCHEMA = 1  # of the JSON files, trajectories and checkpoints; raise it when their keys change
 RESULTS = ("records.csv", "trajectory.h5")  # of a finished run, besides its summary
+_WRITTEN = 3600.0  # [s] in which a file is written
 _SEALS = "sealed_files"  # in the provenance
 _AGAIN = "use --again to compute the run again"
 _RUN_ANEW = f"{_AGAIN}, and run a changed case as a new one"
@@ -122,11 +124,19 @@ class RunFolder:
                 ) from None
         try:
             with writing(self.path):
-                for leftover in self.path.rglob(".*.tmp"):  # of a writer that was killed
-                    leftover.unlink(missing_ok=True)
+                self._clear_leftovers()
             yield
         finally:
             held.release()
+
+    def _clear_leftovers(self) -> None:
+        """Remove what killed writers left; who shows the run may be writing, and has no lock."""
+        for path in below(self.path):
+            if path.name.startswith(".") and path.suffix == ".tmp":
+                with suppress(FileNotFoundError):
+                    young = time.time() - path.lstat().st_mtime < _WRITTEN
+                    if not (young and path.parent.name in SHOWN):
+                        path.unlink()
 
     def write_case(self, text: str) -> None:
         """Keep the case as resolved (TOML); from here on the run counts as begun."""

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from granulab.campaign.output.files import below
 from granulab.campaign.runs.folder import RESULTS, RunFolder, read_json
 from granulab.campaign.runs.h5file import opened
 from granulab.errors import FolderError
@@ -29,7 +30,7 @@ def verify(root: Path) -> Verified:
     are not, nor is what versions before seals wrote but for checkpoints and packings.
     """
     found = Verified()
-    there = sorted(root.rglob("*"))
+    there = sorted(below(root))
     seals = {
         path.parent / name: seal
         for path in there
