@@ -14,6 +14,8 @@ from functools import cache
 from granulab.campaign.output.statistics import mean_sd
 from granulab.errors import InputError
 
+_ROUNDING = 1e-12  # share of a mean: like readings that were computed with scatter by no more
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -34,7 +36,8 @@ def as_pair(known: Estimate | None) -> dict[str, float | None] | None:
 class Pooled:
     """All trials of several groups as one value, and whether the groups differ by more than chance.
 
-    p is that of a one-way analysis of variance: None for one group, or where no group has two.
+    p is that of a one-way analysis of variance: None for one group, where no group has two, or
+    where no trial differs from another; 0 for groups that differ while their trials do not.
     Where the groups differ, each group counts once and sigma is that of the groups' mean: more
     trials with the same few samples do not make the value better known.
     """
@@ -63,7 +66,13 @@ def of_trials(values: Sequence[float]) -> Estimate:
     assert found.mean is not None
     if found.sd is None:
         return Estimate(found.mean, None, 1)
-    return Estimate(found.mean, _of_mean(found.sd, found.n), found.n, found.sd)
+    scatter = _beyond_rounding(found.sd, found.mean)
+    return Estimate(found.mean, _of_mean(scatter, found.n), found.n, scatter)
+
+
+def _beyond_rounding(scatter: float, mean: float) -> float:
+    """The scatter; 0 where it is one of rounding."""
+    return scatter if scatter > _ROUNDING * abs(mean) else 0.0
 
 
 def _of_mean(scatter: float, n: int) -> float | None:
@@ -99,11 +108,12 @@ def pooled_summaries(groups: Mapping[str, Estimate]) -> Pooled:
     between = math.fsum(one.trials * (one.value - mean) ** 2 for one in ones)
     if n == 1:
         return Pooled(ones[0], dict(groups), None)
-    scatter = math.sqrt((within + between) / (n - 1))
+    scatter = _beyond_rounding(math.sqrt((within + between) / (n - 1)), mean)
     whole = Estimate(mean, _of_mean(scatter, n), n, scatter)
-    if k == 1 or n == k or within == 0:
+    if k == 1 or n == k or scatter == 0:
         return Pooled(whole, dict(groups), None)
-    p = float(f.sf(between / (k - 1) / (within / (n - k)), k - 1, n - k))
+    ratio = between / (k - 1) / (within / (n - k)) if within else math.inf
+    p = float(f.sf(ratio, k - 1, n - k))
     found = Pooled(whole, dict(groups), p)
     if found.alike:
         return found

@@ -65,10 +65,31 @@ def test_groups_that_differ_count_once_each():
     assert found.all.trials == 8
 
 
+def test_groups_whose_trials_are_alike_to_the_digit_count_once_each():
+    """Three samples of four like readings are as well known as when one reading differs by 1e-4.
+
+    Oracle: s/sqrt(3) of three means times Student's factor; the reading moves it by 1e-3 of it.
+    """
+    exact = pooled({"a": [0.364] * 4, "b": [0.404] * 4, "c": [0.325] * 4})
+    assert exact.p == 0
+    of_means = float(np.std([0.364, 0.404, 0.325], ddof=1))
+    assert exact.all.sigma == pytest.approx(student(2) * of_means / math.sqrt(3))
+    nearly = pooled({"a": [0.364, 0.364, 0.364, 0.3641], "b": [0.404] * 4, "c": [0.325] * 4})
+    assert exact.all.sigma == pytest.approx(nearly.all.sigma, rel=1e-2)
+
+
+def test_like_readings_have_neither_scatter_nor_groups_that_differ():
+    """The means of 0.1 three times and seven times differ by the last bit, which says nothing."""
+    found = pooled({"a": [0.1] * 3, "b": [0.1] * 7})
+    assert found.p is None
+    assert found.all.scatter == 0
+    assert found.all.sigma is None
+    assert of_trials([0.1] * 3).sigma is None
+
+
 def test_no_test_without_two_groups_or_two_trials():
     assert pooled({"a": [1.0, 2.0]}).p is None
     assert pooled({"a": [1.0], "b": [2.0]}).p is None
-    assert pooled({"a": [1.0, 1.0], "b": [2.0, 2.0]}).p is None
     assert pooled({"a": [1.0, 1.1], "b": [2.0]}).p is not None
 
 
