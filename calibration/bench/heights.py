@@ -94,8 +94,10 @@ def nested(found: Quantity, particle_of: Mapping[str, str]) -> Quantity:
         "degrees of freedom",
     ]
     details = {"levels": names | {"degrees_of_freedom": levels.freedom}}
+    sigma = math.hypot(levels.mean.sigma or 0.0, *found.shared.values())
+    whole = replace(levels.mean, sigma=sigma or None)
     return replace(
-        found, pooled=replace(found.pooled, all=levels.mean), details=details,
+        found, pooled=replace(found.pooled, all=whole), details=details,
         remarks=(*found.remarks, *said),
     )  # fmt: skip
 

@@ -49,6 +49,22 @@ def test_restitution_is_the_root_of_the_heights_and_takes_their_reading_errors(t
     assert found["constant_within_noise"] is None
 
 
+def test_what_all_trials_share_widens_the_mean_over_particles(tmp_path):
+    """Variances add: that of the particles' mean, and that of heights all read 1 mm too high."""
+    text = "particle,H0 [mm],H1 [mm]\n" + "".join(
+        f"{name},{h0},{share * h0 + by}\n"
+        for name, share in (("A", 0.5), ("B", 0.4))
+        for h0 in (20, 40)
+        for by in (-0.3, 0.3)
+    )
+    alone = heights(tmp_path, text)["restitution"]
+    found = heights(tmp_path, text, "--instrument", "h1=1 mm")["restitution"]
+    shared = found["sigma_shared"]["h1"]
+    # de = e/2 dH1/H1 at 0.71 and 0.63, in the mean of 20 and 40 mm; exact but for the half mm
+    assert shared == pytest.approx(np.mean([0.5**0.5 / 0.5, 0.4**0.5 / 0.4]) / 2 * 0.0375, rel=0.01)
+    assert found["sigma"] == pytest.approx(math.hypot(alone["sigma"], shared), rel=1e-9)
+
+
 def test_pendulum_of_two_blocks_by_its_three_heights(tmp_path):
     """(sqrt(H2) - sqrt(H1))/sqrt(H0) (eq. 3.6): (sqrt(49) - sqrt(4))/sqrt(100) = 0.5."""
     found = heights(tmp_path, "H0_mm,H1_mm,H2_mm\n100,4,49\n100,0,25\n")
