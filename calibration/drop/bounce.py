@@ -52,10 +52,11 @@ class Bounces:
     drift         change of the plate's level from first to last contact, and sigma
     speeds        (n,) before each contact, normal to the plate (along y), and sigma
     times, velocities, heights   restitution (n, 2) of each bounce, sigma; NaN where it has none
-    best, sigma   (b,) restitution from `method` of every bounce that has it, and its whole sigma
+    best, covariance   (b,) restitution from `method` of every bounce that has it; (b, b) of these
     disagreement  (b,) what the next way gives less `best`, where more than three sigma; else 0
     pooled        one restitution from `best`, p of the test that one number describes the clip
     exponent      n of e ~ speed^n, with sigma; None for fewer than two bounces
+    slow          1/w^2 of the terminal speed w in air [frames^2/y^2], as far as it is taken off
     """
 
     track: Track
@@ -70,12 +71,23 @@ class Bounces:
     heights: Array
     method: str
     best: Array
-    sigma: Array
+    covariance: Array
     disagreement: Array
     pooled: Estimate
     p: float | None
     exponent: Estimate | None
     warnings: list[str] = field(default_factory=list)
+    slow: Estimate | None = None
+
+    @property
+    def sigma(self) -> Array:
+        """(b,) of `best`."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def best_speeds(self) -> Array:
+        """(b,) before the contacts of `best`."""
+        return _around(self.speeds[:, 0], len(self.best))
 
     @property
     def constant_within_noise(self) -> bool | None:
@@ -182,7 +194,7 @@ def _measured(track: Track, base: TimeBase, fitted: Flights) -> Bounces:
         _drift(plate, plate_covariance), before, times,
         with_sigma(*known(lambda c: from_velocities(centre, c))),
         with_sigma(*known(lambda c: from_heights(centre, c))),
-        method, e, np.sqrt(np.diag(covariance)), off, pooled, p,
+        method, e, covariance, off, pooled, p,
         _exponent(fitted, best, np.diag(covariance), off) if len(e) > 1 else None,
     )  # fmt: skip
     return replace(found, warnings=_warnings(found))
@@ -193,10 +205,15 @@ def _hidden(fitted: Flights, base: TimeBase, before: Array, e: Array) -> Array:
 
     A frame there moves an end of a flight T = 2 v/a by up to itself.
     """
-    first = (len(before) - len(e)) // 2
-    speed = before[first : first + len(e), 0]
+    speed = _around(before[:, 0], len(e))
     flight = 2 * np.stack([speed, speed * e]) / abs(fitted.acceleration[0])
     return np.asarray(base.lost * np.sum(1 / flight**2, axis=0))
+
+
+def _around(of_contacts: Array, n: int) -> Array:
+    """(n,) of the contacts in the middle: those between two whole flights, or all."""
+    first = (len(of_contacts) - n) // 2
+    return of_contacts[first : first + n]
 
 
 def _known(fitted: Flights, quantity: Callable[[Array], Array]) -> tuple[Array, Array]:
@@ -211,18 +228,22 @@ def _exponent(fitted: Flights, best: _Formula, variance: Array, off: Array) -> E
     centre = fitted.centre
     weight = best(centre, fitted.coefficients) ** 2 / variance  # of ln e
 
-    def lever(c: Array) -> Array:
-        speed = np.log(np.abs(speeds(centre, c)[0]))
-        speed = speed[1:-1] if len(speed) > len(weight) else speed
-        speed = speed - weight @ speed / weight.sum()
-        return weight * speed / (weight @ speed**2)
+    def levers(c: Array) -> Array:
+        return lever(_around(np.abs(speeds(centre, c)[0]), len(weight)), weight)
 
     def slope(c: Array) -> Array:
-        return np.atleast_1d(lever(c) @ np.log(np.abs(best(centre, c))))
+        return np.atleast_1d(levers(c) @ np.log(np.abs(best(centre, c))))
 
     value, covariance = _known(fitted, slope)
-    extra = np.sum((lever(fitted.coefficients) * off / best(centre, fitted.coefficients)) ** 2)
+    extra = np.sum((levers(fitted.coefficients) * off / best(centre, fitted.coefficients)) ** 2)
     return Estimate(float(value[0]), float(np.sqrt(covariance[0, 0] + extra)), len(weight))
+
+
+def lever(speed: Array, weight: Array) -> Array:
+    """(n,) of each logarithm in the weighted slope against the logarithm of the speed."""
+    log = np.log(speed)
+    log = log - weight @ log / weight.sum()
+    return np.asarray(weight * log / (weight @ log**2))
 
 
 def _drift(levels: Array, covariance: Array) -> Estimate:

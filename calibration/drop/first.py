@@ -108,7 +108,8 @@ def with_first(found: Bounces) -> tuple[Bounces, FirstBounce]:
         )
     return replace(
         found, flights=replace(found.flights, acceleration=(value, sigma)), method="first contact",
-        best=np.array([first.restitution.value]), sigma=np.array([first.restitution.sigma or 0.0]),
+        best=np.array([first.restitution.value]),
+        covariance=np.array([[(first.restitution.sigma or 0.0) ** 2]]), slow=None,
         disagreement=np.zeros(1), pooled=first.restitution, p=None, exponent=None, warnings=said,
     ), first  # fmt: skip
 
@@ -140,7 +141,7 @@ def _with_disagreement(found: Bounces, first: FirstBounce) -> Bounces:
     nearly round, and is not seen to rotate, still has another restitution at each contact.
     """
     pooled = found.pooled
-    off = first.restitution.value - pooled.value
+    off = first.restitution.value + _lost_to_drag(found) - pooled.value
     sigma = np.hypot(first.restitution.sigma or 0.0, pooled.sigma or 0.0)
     if not first.held or not abs(off) > _REFUTED * sigma:
         return found
@@ -152,6 +153,14 @@ def _with_disagreement(found: Bounces, first: FirstBounce) -> Bounces:
         found, pooled=replace(pooled, sigma=float(np.hypot(pooled.sigma or 0.0, off))),
         warnings=[*found.warnings, said],
     )  # fmt: skip
+
+
+def _lost_to_drag(found: Bounces) -> float:
+    """Share of the first contact's restitution that drag takes: as much from heights as times."""
+    if found.slow is None:
+        return 0.0
+    e = found.pooled.value
+    return float(found.slow.value * e * found.speeds[0, 0] ** 2 * (1 + e**2) / 4)
 
 
 class _Seen(NamedTuple):

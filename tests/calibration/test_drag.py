@@ -34,28 +34,63 @@ def fallen(w, shutter=0.0, noise=0.05, seed=1):
     return Track(frame, 0 * frame, y)
 
 
-def test_drag_is_found_and_what_it_hides_is_in_the_sigma():
+@pytest.mark.parametrize(("noise", "sigma"), [(0.05, 5e-4), (0.3, 2e-3)])
+def test_restitution_is_that_without_drag(noise, sigma):
     """w = 120 px/frame, impacts at up to 24: (v/w)^2 = 0.04, so first order is good to a tenth."""
-    found = find_bounces(fallen(120.0))
-    slow, drags = slowness(found)
-    assert drags
+    found = find_bounces(fallen(120.0, noise=noise))
+    slow = slowness(found)
     assert slow.value == pytest.approx(120.0**-2, rel=0.1, abs=3 * slow.sigma)
     corrected = with_drag(found)
     assert "air drag shows" in corrected.warnings[-1]
-    off = E - found.pooled.value
-    assert off > 4 * found.pooled.sigma  # times alone would be wrong
-    assert corrected.pooled.sigma == pytest.approx(off, rel=0.15)
+    assert E - found.pooled.value > 4 * found.pooled.sigma  # times alone are wrong
+    assert corrected.pooled.value == pytest.approx(E, abs=2 * corrected.pooled.sigma)
+    assert corrected.pooled.sigma < sigma
+
+
+def ping_pong(seed):
+    """A ball of w = 9 m/s from 1 m at 30 frames/s, 3 mm/px and 0.5 px of noise: e = 0.85."""
+    w, fall, e, g, t, v = 9.0, 1.0, 0.85, 9.80665, 0.0, 0.0
+    times, places, height = [0.0], [0.0], fall
+    for _ in range(5):  # a fall, then a rise; v = w tanh(g t/w) and w tan(atan(v/w) - g t/w)
+        s = np.linspace(0, w / g * np.arccosh(np.exp(g * height / w**2)), 300)
+        times.append(t + s)
+        places.append(fall - height + w**2 / g * np.log(np.cosh(g * s / w)))
+        t, v = t + s[-1], e * w * np.tanh(g * s[-1] / w)
+        s = np.linspace(0, w / g * np.arctan(v / w), 300)
+        up = w**2 / g * np.log(np.cos(np.arctan(v / w) - g * s / w) / np.cos(np.arctan(v / w)))
+        times.append(t + s)
+        places.append(fall - up)
+        t, height = t + s[-1], float(up[-1])
+    random = np.random.default_rng(seed)
+    fine = np.hstack(times[1:]) + 0.2 + random.uniform(0, 1 / 30)
+    frame = np.arange(np.floor(fine[-1] * 30))
+    y = np.interp(frame / 30, fine, np.hstack(places[1:])) / 3e-3
+    return Track(frame, 0 * frame, y + random.normal(0, 0.5, len(frame)))
+
+
+def test_drag_that_three_sigma_do_not_show_is_taken_off_all_the_same():
+    """Times alone are 0.041 too low; here at most 0.02 in the mean, within two sigma in most."""
+    off = []
+    for seed in range(12):
+        found = with_drag(find_bounces(ping_pong(seed)))
+        off.append([found.pooled.value - 0.85, found.pooled.sigma])
+    value, sigma = np.array(off).T
+    assert abs(np.mean(value)) < 0.02
+    assert np.mean(np.abs(value) < 2 * sigma) > 0.6
 
 
 @pytest.mark.parametrize("shutter", [0.0, 1 / 500, -1 / 500])
 def test_a_vacuum_and_a_shutter_that_reads_row_by_row_have_no_drag(shutter):
-    found = find_bounces(fallen(1e6, shutter))
-    assert with_drag(found) is found
+    """Nothing is said, and what is not known of drag is in sigma: more of it beside a shutter."""
+    found = with_drag(find_bounces(fallen(1e6, shutter)))
+    assert not any("air drag" in said for said in found.warnings)
+    assert found.pooled.value == pytest.approx(E, abs=2 * found.pooled.sigma)
+    assert found.pooled.sigma < (5e-3 if shutter else 5e-5)
 
 
 def test_a_track_with_y_upwards_has_the_same_drag():
     track = fallen(120.0)
-    down, up = (slowness(find_bounces(one))[0] for one in (track, replace(track, y=-track.y)))
+    down, up = (slowness(find_bounces(one)) for one in (track, replace(track, y=-track.y)))
     assert up.value == pytest.approx(down.value, rel=1e-6)
 
 
@@ -73,6 +108,6 @@ def test_drag_is_not_read_out_of_flights_that_are_seen_wrong():
         y[rows] -= 8 * stretched * (1 - u**2) + 2 * (u**3 - u)
     seen = find_bounces(replace(made, y=y))
     assert seen.flights.scatter > 0
-    slow, _ = slowness(seen)
+    slow = slowness(seen)
     assert abs(slow.value) < 3 * slow.sigma
-    assert with_drag(seen) is seen
+    assert not any("air drag" in said for said in with_drag(seen).warnings)
