@@ -6,7 +6,7 @@ angles, heights, curves, profiles and masses cannot.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ import numpy as np
 from calibration.bench import compression, interface, slide
 from calibration.bench.sections import Request
 from calibration.files.tables import Table, read_table
+from calibration.statistics.mixed import mixed
 from calibration.statistics.uncertainty import Estimate, Pooled, pooled_summaries
 from granulab.contact.files.datafile import data_file
 from granulab.contact.files.units import nearest, to_si
@@ -92,12 +93,14 @@ def restitution() -> list[Statement]:
     drops, swings = _table("drop_test_restitution"), _table("pendulum_restitution")
     swapped = "swapped in sec. 3.3.3 and Table 4"
     by_particle: dict[str, Estimate] = {}
+    particle_of: dict[str, str] = {}
     for k, particle in enumerate(drops.labels("particle")):
         name = f"{particle}, {drops.columns['H0_mm'][k]:g} mm"
-        by_particle[name] = _row(drops, k, 10)
+        by_particle[name], particle_of[name] = _row(drops, k, 10), particle
+    nested = replace(pooled_summaries(by_particle), all=mixed(by_particle, particle_of).mean)
     by_height = {f"{h:g} mm": _row(swings, k, 12) for k, h in enumerate(swings.columns["H0_mm"])}
     return [
-        _pooled("restitution particle-wall", 0.53, pooled_summaries(by_particle), swapped),
+        _pooled("restitution particle-wall", 0.53, nested, swapped),
         _pooled(
             "restitution particle-particle", 0.45, pooled_summaries(by_height),
             f"{swapped}; 12 trials at each height, 15 in the text",

@@ -6,7 +6,7 @@ from calibrating import calibrate
 from refusals import assert_refused
 from scipy.stats import f_oneway
 
-from calibration.statistics.uncertainty import Estimate, pooled, pooled_summaries
+from calibration.statistics.uncertainty import Estimate, of_trials, pooled, pooled_summaries
 
 
 def rows(table: str) -> dict[str, dict]:
@@ -42,6 +42,13 @@ def test_restitution_of_tables_2_and_3():
     assert round(found["restitution particle-wall"]["found"], 2) == 0.53
     assert round(found["restitution particle-particle"]["found"], 2) == 0.45
     assert found["restitution particle-wall"]["groups_p"] < 1e-10
+
+
+def test_table_2_has_the_sigma_of_three_particles_not_of_nine_means():
+    """Particles' means 0.680, 0.430, 0.483, alike within: at least Student's t s/sqrt(3), 0.100."""
+    of_particles = of_trials([0.68, 0.43, 1.45 / 3]).sigma
+    found = rows("restitution")["restitution particle-wall"]["sigma"]
+    assert found == pytest.approx(of_particles, rel=0.02)
 
 
 def test_averages_of_thesis_table_7_1():
