@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from calibration.drop.parabolas import scatter_beyond_noise
-from calibration.statistics.uncertainty import Estimate
+from calibration.statistics.uncertainty import Estimate, student
 from calibration.tracking.track import Array
 
 CHANCE = 0.01  # p below which one number does not describe the values
@@ -39,7 +39,8 @@ def pool(values: Array, covariance: Array) -> tuple[Estimate, float | None]:
     need none, and the mean's sigma takes them from the whole covariance.
 
     Where values are not one, their scatter beyond noise counts with every value: the mean is then
-    that of such values, and its sigma how well these few give it. p is None for one value.
+    that of such values, and its sigma, with Student's factor, how well these few give it. p is None
+    for one value.
     """
     from scipy.stats import chi2
 
@@ -50,6 +51,7 @@ def pool(values: Array, covariance: Array) -> tuple[Estimate, float | None]:
     if p < CHANCE:
         extra = scatter_beyond_noise(with_sigma(values, covariance)) ** 2
         mean, variance = _mean(values, covariance + extra * np.eye(len(values)))
+        variance *= student(len(values) - 1) ** 2
     return Estimate(mean, float(np.sqrt(variance)), len(values)), p
 
 

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from calibration.statistics.correlated import pool
 from calibration.statistics.uncertainty import Estimate, of_trials, pooled, student, through
 from granulab.errors import InputError
 
@@ -85,6 +86,15 @@ def test_like_readings_have_neither_scatter_nor_groups_that_differ():
     assert found.all.scatter == 0
     assert found.all.sigma is None
     assert of_trials([0.1] * 3).sigma is None
+
+
+@pytest.mark.parametrize("n", [2, 3, 5])
+def test_few_correlated_values_that_differ_are_as_well_known_as_trials(n):
+    """Far beyond their noise of 1e-4 they are trials: s/sqrt(n) with Student's factor, to 1e-3."""
+    values = np.random.default_rng(n).normal(0.6, 0.1, n)
+    found, p = pool(values, 1e-8 * np.eye(n))
+    assert p < 0.01
+    assert found.sigma == pytest.approx(of_trials(values.tolist()).sigma, rel=1e-3)
 
 
 def test_no_test_without_two_groups_or_two_trials():
