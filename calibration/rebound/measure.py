@@ -105,7 +105,7 @@ def _measured(
     positions = np.stack([track.x, -track.y, -seen.angle])
     radius = float(np.sqrt(np.mean(seen.outline**2)))
     fitted = fit(base.clock, positions, ranges, plane.sigma or 0.0, radius)
-    rate = fps or track.rate
+    rate = fps or (track.rate and track.rate * base.share)
     length = _length(fitted, rate, scale)
     k = _gyration(seen, gyration_radius, length)
     known = Known(fitted, outline(seen.outline), k, plane)

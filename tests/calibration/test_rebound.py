@@ -11,8 +11,9 @@ from refusals import assert_refused
 from calibration.rebound.impact import Arm, Motion, after_impact, at_contact, energy
 from calibration.rebound.measure import measure_rebound
 from calibration.rebound.shape import gyration, outline, touch
-from calibration.rendered.camera import Camera
+from calibration.rendered.camera import Camera, write_film
 from calibration.rendered.particle import Prism, PrismScene, film_prism
+from calibration.tracking.film.reader import open_film
 
 PENTAGON = Prism(
     ((0, 0), (10e-3, 1e-3), (13e-3, 7e-3), (6e-3, 12e-3), (-1e-3, 6e-3)), rounding=0.5e-3
@@ -81,6 +82,20 @@ def test_restitution_at_the_point_differs_from_that_of_the_centroid_and_both_are
     shares = [values[f"{part}_before"].value for part in ("normal", "tangential", "rotational")]
     assert sum(shares) == pytest.approx(1.0)
     assert found.scale.value == pytest.approx(SCENE.scale, rel=0.02)
+
+
+def test_a_film_with_every_picture_twice_has_the_lengths_and_rates_of_its_camera(filmed, tmp_path):
+    """1000 frames/s in the file's head, 500 of the camera: at 1000 lengths are a quarter as long.
+
+    As well known as in the film without copies: within 2 %, free fall in 70 frames.
+    """
+    path, truth = filmed
+    pictures = [frame.picture for frame in open_film(path).frames() for _ in range(2)]
+    found = measure_rebound(write_film(pictures, tmp_path / "twice.avi", 1000, "FFV1"))
+    assert found.rate == pytest.approx(500)
+    assert found.scale.value == pytest.approx(SCENE.scale, rel=0.02)
+    spin = found.to_dict()["contacts"][0]["angular_velocity_after_rad_s"]
+    assert spin["value"] == pytest.approx(truth.contacts[0].after.omega, abs=4 * spin["sigma"])
 
 
 def test_sigma_covers_particles_speeds_and_codecs(tmp_path):
