@@ -92,17 +92,18 @@ class Fit:
         return self.simulated.load(name, changes | written)
 
     def observed(self) -> Observed:
-        """All values one after the other, and the trials that passed or not."""
+        """All values one after the other, and the trials that passed or not.
+
+        Without an entry of clogging nothing is known of trials that clogged: values are those of
+        the trials that did not, whatever the chance of such a one.
+        """
         values = [o for _, o in self.observations if len(o.values)]
         counted = [o for _, o in self.observations if not len(o.values)]
-        passed = sum(o.trials - o.blocked for o in counted)
-        if not counted:  # all that has a value did not clog
-            passed = max(o.trials for o in values)
         return Observed(
             np.concatenate([np.zeros(0), *(o.values for o in values)]),
             np.concatenate([np.zeros(0), *(o.sigma for o in values)]),
             np.concatenate([np.zeros(0), *(np.full(len(o.values), o.trials) for o in values)]),
-            passed,
+            sum(o.trials - o.blocked for o in counted),
             sum(o.blocked for o in counted),
         )
 

@@ -79,8 +79,12 @@ def test_a_time_a_curve_and_a_profile_are_values_of_one_case(tmp_path):
     assert {one.kind for _, one in fit.observations} == set(SIMULATED.kinds) - {"t90"}
 
 
-def test_what_did_not_clog_is_counted_where_nothing_is_said_of_it(tmp_path):
+def test_a_time_says_nothing_of_the_trials_that_clogged(tmp_path):
+    """It is that of trials which passed; that all did is known where `clogging` says so."""
     observed = read_fit(written(tmp_path, SILO)).observed()
+    assert (observed.passed, observed.blocked) == (0, 0)
+    text = SILO + '[[observation]]\nkind="clogging"\nclogged=0\ntrials=3\n'
+    observed = read_fit(written(tmp_path, text)).observed()
     assert (observed.passed, observed.blocked) == (3, 0)
 
 
