@@ -119,8 +119,20 @@ def measure_slide(
     place = middle + shift[use]
     way, aside, direction = _straight(film, place)
     incline = Estimate(float(abs(_folded(np.array(edge.angle)))), edge.sigma, 1)
-    return Slid(film.path, scene.time[use], metres * way, metres * aside, incline, edge,
-                scene.corners, place, tuple(scene.remarks))  # fmt: skip
+    unchecked = [] if fps is not None else [_unchecked(film)]
+    return Slid(film.path, fps or film.rate, "the file's head" if unchecked else "--fps",
+                scene.time[use], metres * way, metres * aside, incline, edge, scene.corners, place,
+                (*scene.remarks, *unchecked))  # fmt: skip
+
+
+def _unchecked(film: Film) -> str:
+    """A remark on a rate that nothing but the file says."""
+    assert film.rate is not None  # its frames have times
+    return (
+        f"the rate is that of the file's head, {film.rate:g} frames/s, and nothing in a slide can "
+        "check it: gamma_t and the terminal velocity are proportional to it; a film that is shown "
+        "slowly was taken at another: --fps"
+    )
 
 
 def _parted(film: Film, body: Body) -> tuple[Body, Body]:

@@ -70,6 +70,8 @@ class Tilted(_Film):
 class Slid(_Film):
     """A block that slides down a plate that stands; a result to draw.
 
+    rate       frames/s used
+    rests_on   where the rate comes from
     time       (n,) [s]
     way        (n,) down the plate [m]
     aside      (n,) across it [m]
@@ -77,6 +79,8 @@ class Slid(_Film):
     path_px    (n, 2) of the block's middle in the picture
     """
 
+    rate: float | None
+    rests_on: str
     time: Array
     way: Array
     aside: Array
@@ -91,6 +95,8 @@ class Slid(_Film):
         return {
             "film": self.path.name,
             "incline_rad": as_pair(self.incline),
+            "fps": self.rate,
+            "time_base": {"rests_on": self.rests_on, "checked": False},
             "time_s": numbers(self.time),
             "position_m": numbers(self.way),
         }

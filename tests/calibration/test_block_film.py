@@ -167,6 +167,21 @@ def test_a_film_of_a_slide_needs_its_scale(slid):
     assert_refused(calibrate("slide", slid[0][1], "--quiet"), "--scale '0.5 mm/px'")
 
 
+def test_gamma_t_goes_with_the_rate_that_nothing_checks(slid):
+    """1/s: at twice the rate twice the damping, and the terminal velocity, too; it is said."""
+    path = slid[0][1]
+    own, twice = (
+        calibrate("slide", path, "--scale", "1 mm/px", "--fps", rate, "--json", "--quiet").json
+        for rate in (CAMERA.rate, 2 * CAMERA.rate)
+    )
+    assert twice["gamma_t_per_s"]["value"] == pytest.approx(2 * own["gamma_t_per_s"]["value"], 1e-4)
+    said = "the rate is that of the file's head"
+    assert not any(said in words for words in own["gamma_t_per_s"]["remarks"])
+    unsaid = calibrate("slide", path, "--scale", "1 mm/px", "--json", "--quiet").json
+    assert any(said in words for words in unsaid["gamma_t_per_s"]["remarks"])
+    assert unsaid["films"][0]["time_base"] == {"rests_on": "the file's head", "checked": False}
+
+
 def test_positions_of_a_table_give_back_what_made_them(tmp_path):
     """The integral of eq. 3.11b, released at 0.2 s: by floats only, from rest and at any speed."""
     t = np.linspace(0, 1.5, 60)
