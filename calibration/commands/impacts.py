@@ -20,7 +20,7 @@ from granulab.errors import InputError
     "--window", metavar='"2 ms"',
     help="Longer than a contact, shorter than a flight [default: 2 ms].",
 )  # fmt: skip
-@click.option("--drop-height", metavar='"1.5 m"', help="Of the first fall: a check.")
+@click.option("--drop-height", metavar='"1.5 m +- 5 mm"', help="Of the first fall: a check.")
 @figures_option("Folder for the diagnostic figure (PNG).")
 @into_options("restitution")
 @quiet_option
@@ -38,6 +38,7 @@ def command(
     from calibration.impacts.measure import measure_impacts
     from calibration.impacts.search import WINDOW
     from calibration.impacts.stopwatch import measure_stopwatch
+    from calibration.statistics.quantity import measured_quantity
 
     given = {"--rate": rate, "--column": column, "--window": window, "--drop-height": drop_height}
     spare = [name for name, value in given.items() if value is not None]
@@ -52,7 +53,9 @@ def command(
         column=column,
         units=units,
         window=WINDOW if window is None else to_si(window, "s", "--window"),
-        drop_height=None if drop_height is None else to_si(drop_height, "m", "--drop-height"),
+        drop_height=None
+        if drop_height is None
+        else measured_quantity(drop_height, "m", "--drop-height"),
     )
     finish(
         found, as_json=as_json, quiet=quiet, out=out, name=f"{file.stem}-impacts", into=into,

@@ -13,6 +13,8 @@ from calibration.impacts.result import Impacts
 from calibration.impacts.search import RISE, WINDOW, Search, search
 from calibration.impacts.sequence import bouncing, weakness
 from calibration.result import checked
+from calibration.statistics.uncertainty import Estimate
+from granulab.contact.material import Measured
 from granulab.errors import InputError
 
 _MOST_LISTED = 6  # events that a warning names
@@ -24,7 +26,7 @@ def measure_impacts(
     rate: float | None = None,
     column: str | None = None,
     window: float = WINDOW,
-    drop_height: float | None = None,
+    drop_height: float | Measured | None = None,
     units: Mapping[str, str] | None = None,
 ) -> Impacts:
     """Impact times and restitution from force, acceleration or sound against time (WAV, CSV).
@@ -32,7 +34,8 @@ def measure_impacts(
     rate         samples per second [Hz] of a table without times
     column       the only channel wanted of a table
     window       time [s] over which energy is taken: longer than a contact, shorter than a flight
-    drop_height  [m] of the fall before the first impact, a check; with two impacts the measurement
+    drop_height  [m] of the fall before the first impact, best with its standard uncertainty; a
+                 check, and with two impacts the measurement
     units        of the columns of a table: {"time": "ms"}
 
     Raises InputError for what is no signal, and where there are fewer than two impacts.
@@ -44,31 +47,45 @@ def measure_impacts(
 
 
 def measure_signal(
-    signal: Signal, *, window: float = WINDOW, drop_height: float | None = None
+    signal: Signal, *, window: float = WINDOW, drop_height: float | Measured | None = None
 ) -> Impacts:
     """The same of a signal that has been read; see measure_impacts."""
-    if drop_height is not None and not 0.0 < drop_height < 1e3:
-        raise InputError(
-            f"--drop-height = {drop_height:g} m: expected more than 0, such as '1.5 m'"
-        )
+    height = _height(drop_height)
     found = search(signal, _checked(window, signal))
     starts, ends = found.begins * found.block, found.peaks * found.block
     row = bouncing(starts / signal.rate, found.level[found.peaks])
     chosen = row or list(range(len(starts)))
-    problem = None if row else _no_row(signal.path, len(starts), drop_height)
+    problem = None if row else _no_row(signal.path, len(starts), height)
     events = starts / signal.rate
     times, sigmas = _timed(signal, found, [(int(starts[k]), int(ends[k])) for k in chosen])
     events[chosen] = times
     if row:
         problem = weakness(row, events, found.level[found.peaks])
     others = np.delete(events, chosen) + signal.start
-    value, first = _restitution(times, sigmas, drop_height, problem is None)
+    value, first = _restitution(times, sigmas, height, problem is None)
     remarks = [problem] if problem else []
+    if height is not None and not height.sigma:
+        remarks.append(
+            f"--drop-height = {height.value:g} m counts as exact: write what it is known to, such "
+            "as '1.5 m +- 5 mm'"
+        )
     remarks += [*signal.remarks, *_said(found, signal), *_remarks(value, first, others)]
     return Impacts(
         signal, found, times + signal.start, sigmas, tuple(map(float, others)), value, first,
         tuple(remarks),
     )  # fmt: skip
+
+
+def _height(given: float | Measured | None) -> Estimate | None:
+    """A drop height; InputError for none."""
+    if given is None:
+        return None
+    known = given if isinstance(given, Measured) else Measured(given)
+    if not 0.0 < known.value < 1e3:
+        raise InputError(
+            f"--drop-height = {known.value:g} m: expected more than 0, such as '1.5 m +- 5 mm'"
+        )
+    return Estimate(known.value, known.sigma or 0.0, 1)
 
 
 def _timed(
@@ -106,7 +123,7 @@ def _said(found: Search, signal: Signal) -> list[str]:
     return words
 
 
-def _no_row(path: Path, n: int, drop_height: float | None) -> str:
+def _no_row(path: Path, n: int, drop_height: Estimate | None) -> str:
     """Warning where no three events make a row; InputError for fewer than two events."""
     if n == 0:
         raise InputError(f"{path}: no impact: nothing rises by {RISE:g} dB out of the noise")
@@ -124,21 +141,22 @@ def _no_row(path: Path, n: int, drop_height: float | None) -> str:
 def _restitution(
     times: NDArray[np.float64],
     sigmas: NDArray[np.float64],
-    drop_height: float | None,
+    drop_height: Estimate | None,
     believed: bool,
-) -> tuple[Restitution, float | None]:
+) -> tuple[Restitution, Estimate | None]:
     """The restitution of a row, and that of its first impact from the drop height."""
-    first = None if drop_height is None else first_restitution(times[1] - times[0], drop_height)
-    flights = np.diff(times)
+    first = None
+    if drop_height is not None:
+        flight = Estimate(float(times[1] - times[0]), float(np.hypot(*sigmas[:2])), 1)
+        first = first_restitution(flight, drop_height)
     if believed:
         return restitution(times, sigmas), first
     if len(times) == 2 and first is not None:
-        relative = np.hypot(*sigmas) / flights[0]
-        return Restitution(first, float(first * relative)), first
+        return Restitution(first.value, first.sigma), first
     return Restitution(None, None), first
 
 
-def _remarks(found: Restitution, first: float | None, others: NDArray[np.float64]) -> list[str]:
+def _remarks(found: Restitution, first: Estimate | None, others: NDArray[np.float64]) -> list[str]:
     """Warnings about the value."""
     words = []
     if len(found.per_pair) == 1:
@@ -154,10 +172,11 @@ def _remarks(found: Restitution, first: float | None, others: NDArray[np.float64
         more = ", ..." if len(others) > _MOST_LISTED else ""
         words.append(f"{len(others)} events left out that fit no row of flights: {listed}{more} s")
     if first is not None and found.value is not None and found.per_pair:
-        missed = np.log(first / found.value) / np.log(found.value)
+        missed = np.log(first.value / found.value) / np.log(found.value)
         if abs(missed) >= 0.5:
             words.append(
-                f"drop height and first flight give {first:.3f}, not {found.value:.3f}: as if "
-                f"{missed:.1f} impacts more came before the first one here (or air slowed the fall)"
+                f"drop height and first flight give {first.value:.3f}, not {found.value:.3f}: as "
+                f"if {missed:.1f} impacts more came before the first one here (or air slowed the "
+                "fall)"
             )
     return words

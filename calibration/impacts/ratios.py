@@ -6,15 +6,17 @@ together: they are pooled by generalised least squares, and their chi-squared ab
 value tests whether one number describes them.
 """
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.statistics.uncertainty import of_trials
+from calibration.statistics.uncertainty import Estimate, of_trials, through
 
 GRAVITY = 9.81  # [m/s2]
+_GRAVITY = Estimate(GRAVITY, 0.03, 1)  # sigma: what it varies by over the earth
 
 
 @dataclass(frozen=True)
@@ -87,9 +89,9 @@ def _pooled(
     return mean.value, mean.sigma, p
 
 
-def first_restitution(flight: float, height: float) -> float:
+def first_restitution(flight: Estimate, height: Estimate) -> Estimate:
     """Of the first impact after a fall from a height [m]: leaving g T/2 over arriving sqrt(2 g h).
 
     Air drag is left out.
     """
-    return 0.5 * GRAVITY * flight / float(np.sqrt(2.0 * GRAVITY * height))
+    return through(lambda t, h, g: 0.5 * t * math.sqrt(0.5 * g / h), flight, height, _GRAVITY)

@@ -37,12 +37,12 @@ class Impacts(AsText):
     sigmas_s: NDArray[np.float64]
     rejected_times_s: tuple[float, ...]
     restitution: Restitution
-    first_restitution: float | None
+    first_restitution: Estimate | None
     warnings: tuple[str, ...]
 
     def to_dict(self) -> dict[str, Any]:
         """The object that --json prints."""
-        found = self.restitution
+        found, first = self.restitution, self.first_restitution
         return {
             "impact_times_s": self.times_s.tolist(),
             "impact_sigmas_s": self.sigmas_s.tolist(),
@@ -56,7 +56,8 @@ class Impacts(AsText):
                 "constant_within_noise": found.constant_within_noise,
                 "p": found.p,
             },
-            "first_restitution": self.first_restitution,
+            "first_restitution": None if first is None else first.value,
+            "first_restitution_sigma": None if first is None else first.sigma,
             "rejected_times_s": list(self.rejected_times_s),
             "rate_hz": self.signal.rate,
             "warnings": list(self.warnings),
@@ -76,8 +77,9 @@ class Impacts(AsText):
         if one.value is not None and one.sigma is not None:
             p = "" if one.p is None else f" (p = {one.p:.2g} that one number describes the pairs)"
             lines.append(f"restitution {plus_minus(one.value, one.sigma)}{p}")
-        if self.first_restitution is not None:
-            lines.append(f"drop height and first flight: {self.first_restitution:.4f}")
+        if (first := self.first_restitution) is not None:
+            said = plus_minus(first.value, first.sigma)
+            lines.append(f"drop height and first flight: {said}")
         return "\n".join([*lines, *(f"warning: {words}" for words in self.warnings)])
 
     def parameters(self) -> dict[str, Parameter]:

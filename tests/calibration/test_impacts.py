@@ -14,6 +14,7 @@ from calibration import measure_impacts
 from calibration.commands.main import app
 from calibration.impacts.ratios import restitution
 from calibration.impacts.sequence import bouncing, weakness
+from granulab.contact.material import Measured
 from granulab.errors import InputError
 
 MEDIA = Path(os.environ.get("GRANULAB_MEDIA", Path(__file__).parents[3] / "shared" / "media"))
@@ -277,6 +278,19 @@ def test_drop_height_gives_the_first_restitution(tmp_path):
     assert measure_impacts(path).restitution.value is None
     found = measure_impacts(path, drop_height=0.5)
     assert found.restitution.value == pytest.approx(0.8, abs=4 * found.restitution.sigma)
+
+
+def test_the_drop_heights_uncertainty_is_in_the_first_restitution(tmp_path):
+    """e = T sqrt(g/8h): de/e = dh/2h = 0.5 % of 5 mm in 0.5 m, dg/2g = 0.15 % over the earth."""
+    bounces = Bounces(0.8, 2, 2 * 0.8 * np.sqrt(2 * 0.5 / 9.81))
+    path = wav(tmp_path, Room(), bounces)
+    run = CliRunner().invoke(app, ["impacts", str(path), "--drop-height", "0.5 m +- 5 mm"])
+    assert "counts as exact" not in run.output
+    found = measure_impacts(path, drop_height=Measured(0.5, 5e-3)).restitution
+    of_both = np.hypot(0.5 * 5e-3 / 0.5, 0.5 * 0.03 / 9.81)
+    assert found.sigma == pytest.approx(0.8 * of_both, rel=0.01)
+    exact = measure_impacts(path, drop_height=0.5)
+    assert any("0.5 m counts as exact" in said for said in exact.warnings)
 
 
 def test_impacts_that_are_missing_before_the_first_are_counted(tmp_path):
