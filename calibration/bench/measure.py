@@ -22,7 +22,7 @@ Evaluate = Callable[[Columns], Estimate]
 
 _COARSE = (
     "the trials do not differ: their readings are too coarse for a sigma; give the resolution as "
-    "--instrument"
+    "--reading or --instrument"
 )
 
 
@@ -100,7 +100,7 @@ def measure(
 ) -> Quantity:  # fmt: skip
     """Evaluate every trial, pool them by group and together, and add what instruments share."""
     values = [_one(section, evaluate, what) for section in sections]
-    found = _pooled(sections, values)
+    found = _pooled(sections, values, bool(what.single))
     shared = {}
     for one, sigma in what.shared.items():
         if all(one in section.columns for section in sections):
@@ -135,8 +135,11 @@ def _half_difference(section: Section, evaluate: Evaluate, name: str, sigma: flo
     return (high - low) / 2
 
 
-def _pooled(sections: Sequence[Section], values: Sequence[Estimate]) -> Pooled:
-    """Pooled values of the trials by group; a group of one trial has that trial's own sigma."""
+def _pooled(sections: Sequence[Section], values: Sequence[Estimate], read: bool) -> Pooled:
+    """Pooled values of the trials by group; a group of one trial has that trial's own sigma.
+
+    read    whether readings have an uncertainty: no mean is better known than by these
+    """
     groups: dict[str, list[Estimate]] = {}
     for section, value in zip(sections, values, strict=True):
         groups.setdefault(section.group, []).append(value)
@@ -145,7 +148,23 @@ def _pooled(sections: Sequence[Section], values: Sequence[Estimate]) -> Pooled:
         name: ones[0] if len(ones) == 1 else found.groups[name] for name, ones in groups.items()
     }
     whole = values[0] if len(values) == 1 else found.all
-    return Pooled(whole, alone, found.p)
+    if not read:
+        return Pooled(whole, alone, found.p)
+    known = {name: _no_better_than(ones, alone[name]) for name, ones in groups.items()}
+    each_once = found.alike is False
+    return Pooled(
+        _no_better_than(list(known.values()) if each_once else values, whole), known, found.p
+    )
+
+
+def _no_better_than(ones: Sequence[Estimate], mean: Estimate) -> Estimate:
+    """The mean of these with at least the sigma that theirs give it.
+
+    Trials that do not differ share the error of a reading that is too coarse to show it.
+    """
+    share = 1 if mean.scatter == 0 else len(ones)
+    least = math.sqrt(sum((one.sigma or 0.0) ** 2 for one in ones) / len(ones) / share)
+    return replace(mean, sigma=max(mean.sigma or 0.0, least) or None)
 
 
 def _widened(

@@ -44,6 +44,17 @@ def test_what_all_trials_share_is_no_smaller_for_many_trials(tmp_path):
     assert found["friction"]["sigma_shared"]["angle"] == pytest.approx(expected, rel=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("degrees", "share"), [([20, 20, 20], 1.0), ([19.999, 20.0, 20.001], 3**-0.5)]
+)
+def test_a_mean_is_no_better_known_than_by_its_readings(tmp_path, degrees, share):
+    """d(tan) = (1 + tan^2) of 0.5 deg, over sqrt(3); like readings to the degree share theirs."""
+    table = write(tmp_path / "t.csv", "angle_deg", [degrees])
+    found = calibrate("incline", table, "--reading", "angle=0.5 deg", "--json").json["friction"]
+    of_one = math.radians(0.5) / math.cos(math.radians(20)) ** 2
+    assert found["sigma"] == pytest.approx(share * of_one, rel=1e-3)
+
+
 def test_a_reading_is_the_sigma_of_a_single_trial(tmp_path):
     table = write(tmp_path / "t.csv", "angle_deg", [[20.0]])
     found = calibrate("incline", table, "--reading", "angle=0.5 deg", "--json").json
