@@ -75,7 +75,7 @@ def slowness(found: Bounces) -> Estimate:
 
 
 def _without(y: Array, shape: Array) -> Array:
-    """What a shape, fitted to it, leaves of y."""
+    """Rest of y that a shape, fitted to it, leaves."""
     return np.asarray(y - shape * float(shape @ y / (shape @ shape)))
 
 

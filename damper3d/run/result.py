@@ -169,7 +169,7 @@ def _steadiness(cycles: Cycles, eta: np.ndarray, note: str | None) -> dict[str, 
 
 
 def too_early(case: DamperCase, n_cycles: int) -> str | None:
-    """Why an amplitude that ten cycles do not change may change yet; None without a host.
+    """Reason why an amplitude that ten cycles do not change may change yet; None without a host.
 
     The start of a host of damping ratio zeta changes it by 1 - exp(-20 pi zeta) of what is left.
     """

@@ -407,7 +407,7 @@ def test_what_cannot_clog_is_refused_before_anything_is_computed(
 
 
 def test_a_silo_of_two_outlets_is_refused(tmp_path):
-    case = write_case(tmp_path, {"silo.outlets": [[[10, 0], [30, 0]]]})
+    case = write_case(tmp_path, {"silo.outlets": [[[-40, 40], [-40, 60]]]})
     assert_refused(silo2d("clog", case, "--outlets", "22 mm"), "[silo] outlets", "one outlet")
 
 

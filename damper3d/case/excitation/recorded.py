@@ -156,7 +156,7 @@ class Means(NamedTuple):
 
 
 def means_of(signal: Signal, balanced: bool) -> Means:
-    """What `balanced` takes off an acceleration and its velocity, or a velocity; else nothing.
+    """Means that `balanced` takes off an acceleration and its velocity, or a velocity; else 0.
 
     An enclosure begins at the velocity that is taken off, the other way round.
     """

@@ -1,4 +1,4 @@
-"""Where a field comes from, and whether a case that it is taken for is of the same bed."""
+"""Origin of a field, and whether a case that it is taken for is of the same bed."""
 
 import math
 import re
