@@ -35,7 +35,7 @@ _TERMINAL = (2.0, 100.0)
 
 
 def slowness(found: Bounces) -> Estimate:
-    """1/w^2 [frames^2/y^2] with its sigma, beside a shutter where that explains the flights better.
+    """1/w^2 [frames^2/y^2] with its sigma, by a shutter, too, where that explains more.
 
     Each flight has a parabola of its own, so that perspective, alike on both sides of an apex, is
     not taken for drag.

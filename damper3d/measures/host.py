@@ -146,15 +146,8 @@ def _under_excitation(cycles: Cycles) -> dict[str, Any]:
     rms = float(np.sqrt(np.mean(own[1:] ** 2)))
     shocked = case.excitation.kind == "shock"
     # 4.34/sqrt(B T) dB of a resonance of B = pi zeta f, seen for a time T
-    ratio = float(case.modes.damping_ratio[mode])
-    seen = (
-        0.5
-        * ratio
-        * float(case.modes.omega[mode])
-        * case.period
-        * (len(own) - 1)
-        / cycles.per_cycle
-    )
+    band = 0.5 * float(case.modes.damping_ratio[mode] * case.modes.omega[mode])
+    seen = band * case.period * (len(own) - 1) / cycles.per_cycle
     noisy = case.excitation.kind == "random" and seen > 0
     return {
         "amplitude_m": None,

@@ -28,7 +28,6 @@ from silo2d.measures.basics.particles import (
     numbers,
     outlet_centre,
 )
-from silo2d.measures.basics.walls import sides
 from silo2d.measures.curve import steady_part
 from silo2d.view.scene import Scene, read_scene
 
@@ -117,8 +116,7 @@ def nearest_wall(scene: Scene, x: NDArray, y: NDArray) -> tuple[Series, Series]:
 
     The direction is a unit vector downwards along the wall.
     """
-    own = sides(scene)[: len(scene.walls)] != 0  # not those of inserts
-    ends = scene.walls[own & (scene.walls[:, 0, 1] != scene.walls[:, 1, 1])]
+    ends = scene.walls[~scene.of_insert & (scene.walls[:, 0, 1] != scene.walls[:, 1, 1])]
     ends = np.where((ends[:, 0, 1] > ends[:, 1, 1])[:, None, None], ends, ends[:, ::-1])
     span = ends[:, 1] - ends[:, 0]
     length = np.hypot(*span.T)

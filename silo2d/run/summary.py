@@ -59,7 +59,7 @@ def measured(folder: RunFolder, case: SiloCase, outcome: str) -> dict[str, Any]:
     # Where the flow was cut off, the times of those that left before mean nothing; its rate does.
     cut_off = outcome not in ("empty", "dead_zones")
     clogged = outcome.startswith("clogged")
-    # A bed that is shaken does not come to rest, by which a clog is told from a slow flow.
+    # A bed that is shaken does not come to rest, by which a clog is known from a slow flow.
     unknown = outcome == "time_limit" and case.settings.flow.vibration_amplitude is not None
     by_mechanism = all(name in frames for name in MECHANISMS)
     return {

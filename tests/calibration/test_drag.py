@@ -81,7 +81,7 @@ def test_drag_that_three_sigma_do_not_show_is_taken_off_all_the_same():
 
 @pytest.mark.parametrize("shutter", [0.0, 1 / 500, -1 / 500])
 def test_a_vacuum_and_a_shutter_that_reads_row_by_row_have_no_drag(shutter):
-    """Nothing is said, and what is not known of drag is in sigma: more of it beside a shutter."""
+    """Nothing is said, and what is not known of drag is in sigma: more of it next to a shutter."""
     found = with_drag(find_bounces(fallen(1e6, shutter)))
     assert not any("air drag" in said for said in found.warnings)
     assert found.pooled.value == pytest.approx(E, abs=2 * found.pooled.sigma)

@@ -68,13 +68,14 @@ def _distributed(
         if _form(entry, where) != "rectangle":  # whose size says how long it is for its width
             if "size" in entry:
                 raise InputError(f"{where} size: the sieve gives the sizes; leave it out")
+            sizes = _of_sieve(entry.get("sieve"), file.parent, where)
             # The spheroradius is that of the size whose mass is the mean, as of other distributions
             # that of their mean; a form's width goes with its size.
-            own = _of_sieve(entry.get("sieve"), file.parent, where)(_PARTS)
             tried = 20 * (spheroradius or 1e-3)
             like = _formed({**entry, "size": f"{tried} m"}, where, 1.0, spheroradius, file)
-            size = tried * math.sqrt(float(np.mean(own**2))) / like.width
+            size = tried * math.sqrt(float(np.mean(sizes(_PARTS) ** 2))) / like.width
             entry = {**entry, "size": f"{size} m"}
+            return entry, _formed(entry, where, 1.0, spheroradius, file).width, sizes
         like = _formed(entry, str(entry["name"]), 1.0, spheroradius, file)
         return entry, like.width, _of_sieve(entry.get("sieve"), file.parent, where)
     if "sieve" in entry:

@@ -59,8 +59,8 @@ def part_of_wall(scene: Scene) -> list[str]:
     length = np.hypot(run, rise)
     parts = np.where(run <= _VERTICAL * length, "walls", "hopper")
     parts = np.where(rise <= _VERTICAL * length, "floor", parts)
-    parts = np.where([name.startswith("insert") for name in scene.wall_names], "inserts", parts)
-    return parts[: len(scene.walls)].tolist() + ["door"] * scene.n_doors
+    own = np.where(scene.of_insert, "inserts", parts[: len(scene.walls)])
+    return own.tolist() + ["door"] * scene.n_doors
 
 
 def _balance(scene: Scene, weight: float, upwards: NDArray, inertia: float) -> Balance:

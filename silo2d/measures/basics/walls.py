@@ -23,7 +23,9 @@ def sides(scene: Scene) -> NDArray[np.int64]:
     """
     middles = scene.trajectory.static["wall_segments"].mean(axis=1)[:, 0]
     side = np.where(middles < outlet_centre(scene), -1, 1)
-    side[[name.startswith(("door", "insert")) for name in scene.wall_names]] = 0
+    walls = len(scene.walls)  # the doors come after them
+    side[walls:] = 0
+    side[:walls][scene.of_insert] = 0
     return side
 
 

@@ -19,7 +19,7 @@ from granulab.campaign.output.statistics import CONFIDENCE, Correlation, rank_co
 Sizes = NDArray[np.float64]
 _FEWEST = 20  # clogs, for a test of the form
 _FORMS = math.log(0.2), math.log(5.0)  # of beta, that are looked at
-_REFUTED = 0.05  # p below which runs of one outlet do not share a mean avalanche
+REFUTED = 0.05  # p below which a law, or one mean avalanche of all runs, is refuted
 
 
 class Run(NamedTuple):
@@ -100,7 +100,7 @@ def scatter(runs: Sequence[Run]) -> tuple[float, float | None]:
     common = np.full(len(left), clogs.sum() / left.sum())
     ratio = 2 * max(log_likelihood(clogs / left) - log_likelihood(common), 0.0)
     p_value = float(chi2.sf(ratio, len(left) - 1))
-    return (max(ratio / (len(left) - 1), 1.0) if p_value < _REFUTED else 1.0), p_value
+    return (max(ratio / (len(left) - 1), 1.0) if p_value < REFUTED else 1.0), p_value
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from granulab.campaign.output.layout import done
 from granulab.campaign.output.statistics import wilson
 from silo2d.measures.clogging.laws import Estimate, Law, Outlets, exponential, outlet_of, power
 from silo2d.measures.clogging.sizes import (
+    REFUTED,
     Mean,
     Run,
     empties,
@@ -27,7 +28,6 @@ from silo2d.measures.clogging.waits import tail
 Row = dict[str, Any]
 
 PROBABILITIES = 0.5, 0.05, 0.01  # of clogging, whose outlets are given
-REFUTED = 0.05  # p below which a law is
 
 
 @dataclass(frozen=True)

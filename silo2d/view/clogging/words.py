@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from granulab.campaign.output.layout import columns, paragraphs, share
-from silo2d.measures.clogging.study import REFUTED
+from silo2d.measures.clogging.sizes import REFUTED
 
 _NOTES = """\
 <s>: particles that leave between two clogs, those of cut avalanches over the clogs; intervals are
