@@ -24,7 +24,7 @@ from damper3d.engine.laws.balance import (
 )
 from damper3d.engine.laws.rolling import roll
 from damper3d.engine.laws.table import face_wall, halo, law_of, normal_force, note_laws, tear
-from damper3d.engine.motions.turning import count_turning, turn_wall
+from damper3d.engine.motions.turning import count_turning, turn_wall, without_walls
 from damper3d.engine.shared.results import keep_results
 from damper3d.engine.simd import gather, keep_history, whole
 from damper3d.engine.state import (
@@ -69,10 +69,10 @@ def apply_forces(world, shift, speed):
 
     The balance is summed over all blocks of a part, or of the walls, in the order of the list.
     """
-    walls, balance = world.walls, world.balance
+    walls, balance, bed = world.walls, world.balance, without_walls(world)
     sums = NO_LOSS
     for part in range(len(world.parts) - 1):
-        sums = added(sums, push_pairs(world, part))
+        sums = added(sums, push_pairs(bed, part))
     add_to_balance(balance, 0, sums, world.time_step)
     for w in range(len(walls.force)):
         place_wall(world.spheres, walls, w, shift, speed)

@@ -16,36 +16,31 @@ from damper3d.engine.kinds import move
 from damper3d.engine.motions import displacement, velocity
 from damper3d.engine.motions.crossed import crosses
 from damper3d.engine.motions.host import kick, rides
-from damper3d.engine.motions.turning import turns, twists
+from damper3d.engine.motions.turning import turns, twists, without_shaker, without_walls
 from damper3d.engine.neighbours import search_pairs, search_walls
 from damper3d.engine.state import DONE, STALE_INNER, STALE_WALL, STEP
 from damper3d.engine.walls import drive_walls
 from granulab.contact.jit import inlined_inner, inner, specialised, uncounted
 
 
-@uncounted
-def advance(world, n_steps):
-    """Up to n_steps steps; how many were taken, and DONE or why no more."""
-    return take_steps(world, n_steps)
-
-
 @inner
 def take_steps(world, n_steps):
-    """See advance, which is compiled only where it is called from Python."""
+    """Up to n_steps steps; how many were taken, and DONE or why no more."""
     direction, dt = world.direction, world.time_step
+    room, bed = without_shaker(world), without_walls(world)
     shift, speed = enclosure_at(world.shaker, direction, world.counts[STEP] * dt)
     for taken in range(n_steps):
         if world.counts[STALE_INNER] or world.counts[STALE_WALL]:
-            outcome = search(world, shift)
+            outcome = search(room, shift)
             if outcome != DONE:
                 return taken, outcome
         before = force_so_far(world)
-        apply_forces(world, shift, speed)
+        apply_forces(room, shift, speed)
         ride(world, before)
         world.counts[STEP] += 1
         shift, speed = enclosure_at(world.shaker, direction, world.counts[STEP] * dt)
-        drive_walls(world)
-        move(world, shift, np.int64(0), world.parts[-1])
+        drive_walls(room)
+        move(bed, shift, np.int64(0), world.parts[-1])
     return n_steps, DONE
 
 
@@ -59,18 +54,18 @@ def advance_together(worlds, n_steps):
     for taken in range(n_steps):
         for k, world in enumerate(worlds):
             if outcome == DONE:
-                outcome, which = search(world, place_now(world)[0]), k
+                outcome, which = search(without_shaker(world), place_now(world)[0]), k
         if outcome != DONE:
             return taken, outcome, which
         for world in worlds:
             shift, speed = place_now(world)
             before = force_so_far(world)
-            apply_forces(world, shift, speed)
+            apply_forces(without_shaker(world), shift, speed)
             ride(world, before)
         for world in worlds:
             world.counts[STEP] += 1
-            drive_walls(world)
-            move(world, place_now(world)[0], np.int64(0), world.parts[-1])
+            drive_walls(without_shaker(world))
+            move(without_walls(world), place_now(world)[0], np.int64(0), world.parts[-1])
     return n_steps, outcome, which
 
 
@@ -82,10 +77,10 @@ def place_now(world):
 
 @uncounted
 def search(world, shift):
-    """Make stale lists again; DONE, or what is wrong."""
+    """Make stale lists again; DONE, or what is wrong. Best of without_shaker(world), see there."""
     counts = world.counts
     if counts[STALE_INNER]:
-        outcome = search_pairs(world, shift)
+        outcome = search_pairs(without_walls(world), shift)
         if outcome != DONE:
             return outcome
     if counts[STALE_WALL]:

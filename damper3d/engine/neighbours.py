@@ -468,7 +468,7 @@ def _contact_with_wall(world, w, i, b, shift, n):
         own_radius = radius_at_wall(walls, x, w, i, shift) - halo(world.wall_law)
         hertz = hertz_of(world.wall_law, i, len(spheres.inverse_mass)) * np.sqrt(own_radius)
         wall.constants[n, HERTZ] = wall.whole[n, 0] = hertz
-        mass = 1.0 / (spheres.inverse_mass[i] + mobility(world))
+        mass = 1.0 / (spheres.inverse_mass[i] + mobility(world.shaker))
         wall.constants[n, MASS] = wall.whole[n, 1] = mass
         for h in range(N_HISTORY):
             wall.history[n, h] = walls.history[w, i, h]

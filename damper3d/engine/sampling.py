@@ -4,7 +4,7 @@ import numpy as np
 
 from damper3d.engine.forces import contact_law, meet_wall, surface_motion, without_slip
 from damper3d.engine.geometry import between_spheres, entry
-from damper3d.engine.integrate import enclosure_at, search, take_steps
+from damper3d.engine.integrate import place_now, search, take_steps
 from damper3d.engine.kinds import find_at_wall, find_pairs, mean_motion
 from damper3d.engine.laws.rolling import rolling_energy
 from damper3d.engine.laws.table import (
@@ -27,7 +27,7 @@ from damper3d.engine.motions.host import (
     rides,
     velocity,
 )
-from damper3d.engine.motions.turning import turn_wall, twists
+from damper3d.engine.motions.turning import turn_wall, twists, without_shaker, without_walls
 from damper3d.engine.simd import gather
 from damper3d.engine.state import (
     BLOCK,
@@ -64,15 +64,17 @@ N_CONTACT_COLUMNS = 10
 def advance_sampling(world, steps_per_sample, rows):
     """Fill rows, each after steps_per_sample steps; how many were filled, steps over, outcome.
 
-    rows (n, N_COLUMNS + N_BALANCE + 3 n_walls). A step that cannot be taken ends it. Lists that
-    are stale by then are made again, as they would be in the next step: a sample that counts the
-    contacts of an old list depends on when it was made.
+    rows (n, N_COLUMNS + N_BALANCE + 3 n_walls); without any the steps are taken all the same, in
+    one kernel for both. A step that cannot be taken ends it. Lists that are stale by then are made
+    again, as they would be in the next step: a sample that counts the contacts of an old list
+    depends on when it was made.
     """
-    for k in range(len(rows)):
+    for k in range(max(len(rows), 1)):
         taken, outcome = take_steps(world, steps_per_sample)
+        if len(rows) == 0:
+            return 0, taken, outcome
         if outcome == DONE:
-            now = world.counts[STEP] * world.time_step
-            outcome = search(world, enclosure_at(world.shaker, world.direction, now)[0])
+            outcome = search(without_shaker(world), place_now(world)[0])
         if outcome != DONE:
             return k, taken, outcome
         sample(world, steps_per_sample, rows[k])
@@ -84,12 +86,15 @@ def sample(world, steps, row):
     """One row; forces on the walls are means over the steps since the last."""
     now = world.counts[STEP] * world.time_step
     d = world.direction
-    shift, speed = enclosure_at(world.shaker, d, now)
+    shift, speed = place_now(world)
     row[TIME] = now
     row[DISPLACEMENT] = shift[0] * d[0] + shift[1] * d[1] + shift[2] * d[2]
     row[VELOCITY] = speed[0] * d[0] + speed[1] * d[1] + speed[2] * d[2]
-    mean_motion(world, shift, row)
-    elastic_energies(world, shift, speed, row)
+    mean_motion(without_walls(world), shift, row)
+    row[ELASTIC_NORMAL] = row[ELASTIC_TANGENTIAL] = 0.0
+    row[CONTACTS_PP] = row[CONTACTS_PW] = 0.0
+    energies_of_pairs(without_walls(world), row)
+    energies_at_walls(without_shaker(world), shift, speed, row)
     for c in range(2):
         for k in range(YIELD):
             row[IMPACT_PP + 2 * k + c] = world.impacts[c, k]
@@ -133,18 +138,22 @@ def _host_columns(host, now, row):
 
 
 @inner
-def elastic_energies(world, shift, speed, row):
-    """Return what the springs of all contacts hold, and how many contacts there are."""
-    spheres, block, walls = world.spheres, world.block, world.walls
-    row[ELASTIC_NORMAL] = row[ELASTIC_TANGENTIAL] = 0.0
-    row[CONTACTS_PP] = row[CONTACTS_PW] = 0.0
+def energies_of_pairs(world, row):
+    """Add what the springs of all pairs hold to a row, and how many touch."""
+    block = world.block
     end = find_pairs(world, np.int64(0), world.counts[INNER])
     for begin in range(np.int64(0), end, BLOCK):
         n = min(end - begin, BLOCK)
-        gather(spheres, world.inner, begin, n, block)
+        gather(world.spheres, world.inner, begin, n, block)
         between_spheres(n, block)
         note_laws(world.pair_law, world.inner, begin, n, block, 2.0 * halo(world.pair_law))
         add_elastic(world, world.pair_law, world.inner, begin, n, row, CONTACTS_PP)
+
+
+@inner
+def energies_at_walls(world, shift, speed, row):
+    """Likewise of the contacts with walls."""
+    spheres, block, walls = world.spheres, world.block, world.walls
     for w in range(len(walls.force)):
         place_wall(spheres, walls, w, shift, speed)
         face_wall(world.wall_law, w)
@@ -187,15 +196,21 @@ def add_elastic(world, laws, contacts, begin, n_contacts, row, count):
 
 
 @uncounted
-def list_contacts(world, particles, numbers):
+def list_contacts(world, shift, speed, particles, numbers):
     """The contacts of now and the forces that the next step will apply; how many there are.
 
+    shift, speed: of the enclosure now.
     particles (capacity, 2): spheres, and walls numbered after them; numbers (capacity,
     N_CONTACT_COLUMNS): force on the second, normal towards it, point in the laboratory, overlap.
     """
-    spheres, block, walls, dt = world.spheres, world.block, world.walls, world.time_step
-    now = world.counts[STEP] * dt
-    shift, speed = enclosure_at(world.shaker, world.direction, now)
+    found = list_pairs(without_walls(world), particles, numbers)
+    return list_at_walls(world, shift, speed, particles, numbers, found)
+
+
+@inner
+def list_pairs(world, particles, numbers):
+    """Contacts of particles with each other, see list_contacts; how many there are."""
+    spheres, block, dt = world.spheres, world.block, world.time_step
     found = np.int64(0)
     end = find_pairs(world, np.int64(0), world.counts[INNER])
     for begin in range(np.int64(0), end, BLOCK):
@@ -208,6 +223,13 @@ def list_contacts(world, particles, numbers):
         found = copy_contacts(
             spheres, block, world.inner, begin, n, 0, reach, particles, numbers, found
         )
+    return found
+
+
+@inner
+def list_at_walls(world, shift, speed, particles, numbers, found):
+    """Append contacts with walls, likewise; how many there are then."""
+    spheres, block, walls, dt = world.spheres, world.block, world.walls, world.time_step
     for w in range(len(walls.force)):
         place_wall(spheres, walls, w, shift, speed)
         face_wall(world.wall_law, w)

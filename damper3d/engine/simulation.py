@@ -6,8 +6,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from damper3d.engine import sampling, state
-from damper3d.engine.integrate import advance, advance_together, enclosure_at, search
+from damper3d.engine.integrate import advance_together, enclosure_at, search
 from damper3d.engine.motions import Turning, host
+from damper3d.engine.motions.turning import without_shaker
 from damper3d.engine.multisphere.form import key_of_pair
 from damper3d.engine.records import CLASSES, IMPACTS, MECHANISMS
 from damper3d.engine.shared.steps import SharedSteps, one_thread_only
@@ -117,7 +118,7 @@ class Simulation:
                 self.end_sample(rows[done], 0)
                 done += 1
                 continue
-            filled, over, outcome = self._fill(rows[done : done + at_a_time])
+            filled, over, outcome = self._fill(self.steps_per_sample, rows[done : done + at_a_time])
             done += filled
             if outcome != DONE:  # in the middle of a sample: make room, and go on to its end
                 self.answer(outcome)
@@ -149,14 +150,11 @@ class Simulation:
             self._shared = SharedSteps(self.world, self._crew, self._first)
         return self._shared
 
-    def _fill(self, rows: np.ndarray) -> tuple[int, int, int]:
+    def _fill(self, n_steps: int, rows: np.ndarray) -> tuple[int, int, int]:
+        """See sampling.advance_sampling."""
         if shared := self._by_threads():
-            return shared.fill(self.steps_per_sample, rows)
-        return sampling.advance_sampling(self.world, self.steps_per_sample, rows)
-
-    def _advance(self, n_steps: int) -> tuple[int, int]:
-        shared = self._by_threads()
-        return shared.step(n_steps) if shared else advance(self.world, n_steps)
+            return shared.fill(n_steps, rows)
+        return sampling.advance_sampling(self.world, n_steps, rows)
 
     def room(self, n_samples: int) -> np.ndarray:
         """Room for samples."""
@@ -203,9 +201,9 @@ class Simulation:
 
     def step(self, n_steps: int) -> None:
         """Go on for a number of steps; raises as run does."""
-        at_a_time = self.steps_at_a_time()
+        at_a_time, no_rows = self.steps_at_a_time(), self.room(0)
         while n_steps:
-            taken, outcome = self._advance(min(n_steps, at_a_time))
+            _, taken, outcome = self._fill(min(n_steps, at_a_time), no_rows)
             n_steps -= taken
             if outcome != DONE:
                 self.answer(outcome)
@@ -219,20 +217,20 @@ class Simulation:
 
     def compile(self) -> None:
         """Compile or load the kernels now, so that their time is not taken for a step's."""
-        self._fill(self.room(0))
+        self._fill(0, self.room(0))
 
     def refresh(self) -> None:
         """Make stale lists again now."""
         while self.world.counts[[state.STALE_INNER, state.STALE_WALL]].any():
             if self._shared:
                 self._shared.give_up_lists()
-            outcome = search(self.world, self._shift())
+            outcome = search(without_shaker(self.world), self._place()[0])
             if outcome != DONE:
                 self.answer(outcome)
 
-    def _shift(self) -> tuple[float, float, float]:
-        """Displacement of the enclosure now [m]."""
-        return enclosure_at(self.world.shaker, self.world.direction, self.time)[0]
+    def _place(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """Displacement [m] and velocity [m/s] of the enclosure now."""
+        return enclosure_at(self.world.shaker, self.world.direction, self.time)
 
     def answer(self, outcome: int) -> None:
         """Give a search the room that it lacked, or raise what is wrong."""
@@ -262,7 +260,7 @@ class Simulation:
         moving = self._kind.moving(self.world)
         rotated = {name: moving[name].copy() for name in ("orientation",) if name in moving}
         return {
-            "x": moving["position"][:, :3] - np.array(self._shift()),
+            "x": moving["position"][:, :3] - np.array(self._place()[0]),
             "v": moving["velocity_now"][:, :3].copy(),
             "spin": self._kind.angular_velocity_now(self.world)[:, :3].copy(),
             **rotated,
@@ -296,7 +294,7 @@ class Simulation:
         most = int(self.world.counts[state.INNER] + self.world.counts[state.WALL])
         spheres = np.zeros((most, 2), np.uint32)
         numbers = np.zeros((most, sampling.N_CONTACT_COLUMNS))
-        n = sampling.list_contacts(self.world, spheres, numbers)
+        n = sampling.list_contacts(without_shaker(self.world), *self._place(), spheres, numbers)
         which, m = spheres[:n].astype(np.int64), len(self.world.spheres.inverse_mass)
         of_wall = which >= m
         whose, own = self._places(which)

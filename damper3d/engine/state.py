@@ -224,7 +224,6 @@ class World(NamedTuple):
     wall: Contacts
     wall_seen: Seen
     kept: Kept
-    walls: Walls
     block: Block
     counts: np.ndarray  # (N_COUNTS,) int64
     parts: np.ndarray  # (n_parts + 1,) where the particles of each part begin
@@ -234,9 +233,10 @@ class World(NamedTuple):
     impacts: np.ndarray  # (2, 4) of each class, see FASTEST
     lengths: np.ndarray  # (N_LENGTHS,) [m]
     pair_law: Any  # HertzLaw
-    wall_law: Any  # likewise
-    shaker: Any  # numbers of the motion, of a type that engine.motions knows
     direction: np.ndarray  # (4,) unit vector of the enclosure's motion
     gravity: np.ndarray  # (4,) [m/s2]
     time_step: float  # [s]
+    walls: Walls  # none where particles are looked at among themselves, see motions.turning
+    wall_law: Any  # as pair_law
+    shaker: Any  # numbers of the motion, of a type that engine.motions knows
     results: Any = None  # shared.results.Results where several threads share a step

@@ -114,7 +114,7 @@ def list_places(world, i, b, shift, n):
             wall.cutoff[n] = wall.constants[n, RADIUS_I] = x[i, 3]
             hertz = hertz_of(world.wall_law, i, len(spheres.inverse_mass)) * np.sqrt(x[i, 3])
             wall.constants[n, HERTZ] = wall.whole[n, 0] = hertz
-            mass = 1.0 / (spheres.inverse_mass[i] + mobility(world))
+            mass = 1.0 / (spheres.inverse_mass[i] + mobility(world.shaker))
             wall.constants[n, MASS] = wall.whole[n, 1] = mass
             recall(surface.held, walls.history, i, f, wall.history, n)
             n += 1

@@ -59,6 +59,12 @@ class Host(NamedTuple):
 CHANGING = ("answer", "pushed", "books")  # arrays that the steps change: what a checkpoint holds
 
 
+class Behind(NamedTuple):
+    """What contacts with walls need of what moves them, where they do not turn."""
+
+    mobility: float  # inverse of the mass that stands behind the walls [1/kg]
+
+
 class Ringing(NamedTuple):
     """Sums of sines that may die away, one a mode: sum_k A_k exp(-s_k t) sin(w_k t + p_k)."""
 
@@ -213,15 +219,18 @@ def rides(world):
     return getattr(shaker, "instance_class", None) is Host
 
 
-def mobility(world):
+def mobility(shaker):
     """Return the inverse of the mass that stands behind the walls [1/kg]: 0 without a host."""
+    return _of_modes.py_func(shaker.shape) if isinstance(shaker, Host) else 0.0
 
 
 @specialised(mobility)
-def _mobility(world):
-    if rides(world):
-        return lambda world: _of_modes(world.shaker.shape)
-    return lambda world: 0.0
+def _mobility(shaker):
+    if getattr(shaker, "instance_class", None) is Host:
+        return lambda shaker: _of_modes(shaker.shape)
+    if getattr(shaker, "instance_class", None) is Behind:
+        return lambda shaker: shaker.mobility
+    return lambda shaker: 0.0
 
 
 @inlined_inner

@@ -12,8 +12,8 @@ import numpy as np
 
 from damper3d.engine.geometry import entry, put, vector
 from damper3d.engine.motions import registry
-from damper3d.engine.motions.host import Host
-from damper3d.engine.state import STEP, WALL_WORK
+from damper3d.engine.motions.host import Behind, Host, mobility
+from damper3d.engine.state import STEP, WALL_WORK, World
 from granulab.contact.jit import inlined_inner, njit, specialised
 
 
@@ -58,6 +58,37 @@ def twists(world):
     shaker = world[world.fields.index("shaker")]
     arc = shaker[shaker.fields.index("arc")]
     return getattr(arc, "instance_class", None) is Host
+
+
+@inlined_inner
+def without_walls(world):
+    """Return the world of the particles among themselves.
+
+    What takes it compiles once for all enclosures and shakers.
+    """
+    return World(*world[:-4], None, None, None, world.results)
+
+
+def without_shaker(world):
+    """Return the world with no more of its shaker than contacts with walls need.
+
+    What takes it compiles once for all shakers that do not turn.
+    """
+    if isinstance(world.shaker, Turning):
+        return world
+    return world._replace(shaker=Behind(mobility(world.shaker)))
+
+
+@specialised(without_shaker)
+def _without_shaker(world):
+    if turns(world):
+        return lambda world: world
+    return lambda world: _with_what_is_behind(world)
+
+
+@inlined_inner
+def _with_what_is_behind(world):
+    return World(*world[:-2], Behind(mobility(world.shaker)), world.results)
 
 
 @specialised(turn_wall)

@@ -24,6 +24,7 @@ from damper3d.engine.laws.cohesion import Jkr
 from damper3d.engine.laws.table import LawTable, face_wall
 from damper3d.engine.motions import Turning
 from damper3d.engine.motions.host import rides
+from damper3d.engine.motions.turning import without_shaker, without_walls
 from damper3d.engine.neighbours import (
     begin_outer,
     begin_search,
@@ -90,9 +91,9 @@ class Team(NamedTuple):
     wall_end: np.ndarray  # (n_threads, n_walls or more) where those that touch end
 
 
-@uncounted
+@inner
 def advance_shared(world, team, thread, n_steps, arrived):
-    """Up to n_steps steps, as integrate.advance; how many were taken, DONE or why no more, arrived.
+    """Steps as integrate.take_steps has them; how many were taken, DONE or why no more, arrived.
 
     Each thread calls it with a world of its own, see SharedSteps; arrived: see wait.
     """
@@ -100,16 +101,17 @@ def advance_shared(world, team, thread, n_steps, arrived):
     taken, outcome = np.int64(0), np.int64(DONE)
     if n_steps == 0:  # to compile, by one thread
         return taken, outcome, arrived
+    room, bed = without_shaker(world), without_walls(world)
     shift, speed = _enclosure_now(world)
     while taken < n_steps:
         if world.counts[STALE_INNER] or world.counts[STALE_WALL]:
-            outcome, arrived = _search(world, team, thread, shift, arrived)
+            outcome, arrived = _search(room, team, thread, shift, arrived)
             if outcome != DONE:
                 break
-        _push_own_pairs(world, team, thread)
+        _push_own_pairs(bed, team, thread)
         arrived = wait(team.clock, n_threads, arrived)
-        deliver(world, team.foreign, team.n_foreign)
-        _push_own_at_walls(world, team, thread, shift, speed)
+        deliver(bed, team.foreign, team.n_foreign)
+        _push_own_at_walls(room, team, thread, shift, speed)
         arrived = wait(team.clock, n_threads, arrived)
         if thread == 0:
             _push_enclosure(world, team)
@@ -117,7 +119,7 @@ def advance_shared(world, team, thread, n_steps, arrived):
         world.counts[STEP] += 1
         shift, speed = _enclosure_now(world)
         first, last = world.parts[team.parts[thread]], world.parts[team.parts[thread + 1]]
-        move(world, shift, first, last)
+        move(bed, shift, first, last)
         team.stale[thread, 0] = world.counts[STALE_INNER]
         team.stale[thread, 1] = world.counts[STALE_WALL]
         arrived = wait(team.clock, n_threads, arrived)
@@ -126,7 +128,7 @@ def advance_shared(world, team, thread, n_steps, arrived):
             world.counts[STALE_WALL] |= team.stale[other, 1]
         taken += 1
     if thread == 0:
-        _gather_impacts(world, team)
+        _gather_impacts(bed, team)
     arrived = wait(team.clock, n_threads, arrived)
     return taken, outcome, arrived
 
@@ -135,11 +137,13 @@ def advance_shared(world, team, thread, n_steps, arrived):
 def advance_sampling_shared(world, team, thread, steps_per_sample, rows):
     """Fill rows as sampling.advance_sampling does, by several threads."""
     arrived, n_threads = np.int64(0), len(team.impacts)
-    for k in range(len(rows)):
+    for k in range(max(len(rows), 1)):
         taken, outcome, arrived = advance_shared(world, team, thread, steps_per_sample, arrived)
+        if len(rows) == 0:
+            return 0, taken, outcome
         if outcome == DONE:
             shift, _ = _enclosure_now(world)
-            outcome, arrived = _search(world, team, thread, shift, arrived)
+            outcome, arrived = _search(without_shaker(world), team, thread, shift, arrived)
         if outcome != DONE:
             return k, taken, outcome
         if thread == 0:
@@ -160,7 +164,7 @@ def _search(world, team, thread, shift, arrived):
     if is_first:
         team.outcome[0] = DONE
     if world.counts[STALE_INNER]:
-        arrived = _search_pairs(world, team, thread, shift, arrived)
+        arrived = _search_pairs(without_walls(world), team, thread, shift, arrived)
     if is_first:
         if team.outcome[0] == DONE:
             team.outcome[0] = search(world, shift)  # of the walls
@@ -323,7 +327,7 @@ def _push_enclosure(world, team):
 
     And what pairs and walls dissipate.
     """
-    sums, before = NO_LOSS, force_so_far(world)
+    sums, before, bed = NO_LOSS, force_so_far(world), without_walls(world)
     for part in range(len(team.sums)):
         own = team.sums[part]
         sums = added(sums, (own[0], own[1], own[2], own[3], own[4]))
@@ -331,8 +335,8 @@ def _push_enclosure(world, team):
     for w in range(len(world.walls.force)):
         for thread in range(len(team.impacts)):
             first, end = team.wall_first[w, thread], team.wall_end[thread, w]
-            push_enclosure(world, first, end)
-        power = take_push(world, world.walls.force[w])
+            push_enclosure(bed, first, end)
+        power = take_push(bed, world.walls.force[w])
         world.balance[WALL_WORK] -= world.time_step * power
     add_to_balance(world.balance, N_MECHANISMS, take_totals(world.block), world.time_step)
     ride(world, before)
@@ -409,7 +413,7 @@ class SharedSteps:
         kept = room_for(capacity, 0), room_for(at_walls, at_walls)
         self._worlds = [self._world_of(thread, *kept) for thread in range(n)]
         self._shared_out = False  # the contacts of the lists that there are
-        self._steps_compiled = False
+        self._compiled = False
 
     def _world_of(self, thread: int, pairs: Loads, walls: Loads) -> World:
         """The world as a thread sees it: what it writes for itself is its own."""
@@ -440,18 +444,12 @@ class SharedSteps:
             wall_law=_own(world.wall_law),
         )
 
-    def fill(self, steps_per_sample: int, rows: np.ndarray) -> tuple[int, int, int]:
+    def fill(self, n_steps: int, rows: np.ndarray) -> tuple[int, int, int]:
         """See sampling.advance_sampling."""
-        if not len(rows):  # to compile: in the caller's thread, which hears Ctrl-C
-            return advance_sampling_shared(self._worlds[0], self._team, 0, steps_per_sample, rows)
-        return self._run(advance_sampling_shared, (steps_per_sample, rows))
-
-    def step(self, n_steps: int) -> tuple[int, int]:
-        """See integrate.advance."""
-        if not self._steps_compiled:  # in the caller's thread, which hears Ctrl-C
-            advance_shared(self._worlds[0], self._team, 0, 0, 0)
-            self._steps_compiled = True
-        return self._run(advance_shared, (n_steps, 0))[:2]
+        if not self._compiled:  # in the caller's thread, which hears Ctrl-C
+            advance_sampling_shared(self._worlds[0], self._team, 0, 0, rows[:0])
+            self._compiled = True
+        return self._run(advance_sampling_shared, (n_steps, rows)) if n_steps else (0, 0, DONE)
 
     def give_up_lists(self) -> None:
         """Share out anew: the lists that there are were made without the threads."""
