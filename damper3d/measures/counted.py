@@ -93,7 +93,8 @@ def largest_sum(velocity: np.ndarray, per_cycle: int) -> np.ndarray:
     v = np.asarray(velocity, float)
     rise = np.diff(v)
     moving = np.flatnonzero(rise)
-    turning = rise[moving[1:]] * rise[moving[:-1]] < 0
+    up = rise[moving] > 0.0  # a product of two rises may underflow
+    turning = up[1:] != up[:-1]
     turns = moving[1:][turning]
     ends = np.arange(0, len(v), per_cycle)
     at = np.union1d(turns, ends)

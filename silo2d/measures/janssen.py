@@ -25,6 +25,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granulab.campaign.output.figure import BLUE, GREY, INK, VERMILION, headline
 from granulab.errors import InputError
@@ -136,15 +137,22 @@ def _weight_over(moment: Moment, low: float) -> float:
 
 
 def vertical_walls(scene: Scene) -> list[int]:
-    """The topmost vertical wall of each side, left and right."""
-    run, rise = np.abs(scene.walls[:, 1] - scene.walls[:, 0]).T
-    vertical = run <= _VERTICAL * rise
+    """The topmost vertical wall of each side of a run's silo, left and right."""
+    return topmost_vertical(scene.walls, sides(scene)[: len(scene.walls)])
+
+
+def topmost_vertical(walls: Floats, side: NDArray[np.int64]) -> list[int]:
+    """The topmost vertical one of walls (w, 2, 2) on the left (side -1) and the right (1).
+
+    Raises InputError where a side has none.
+    """
+    run, rise = np.abs(walls[:, 1] - walls[:, 0]).T
     found = []
-    for side in (-1, 1):
-        here = np.flatnonzero(vertical & (sides(scene)[: len(scene.walls)] == side))
+    for way in (-1, 1):
+        here = np.flatnonzero((run <= _VERTICAL * rise) & (side == way))
         if not len(here):
             raise InputError("Janssen's law needs a vertical wall on each side of the silo")
-        found.append(int(here[scene.walls[here, :, 1].max(axis=1).argmax()]))
+        found.append(int(here[walls[here, :, 1].max(axis=1).argmax()]))
     return found
 
 

@@ -17,7 +17,6 @@ from granulab.campaign.output.statistics import (
     mean_sd,
     noise_of_difference,
     noise_of_one_more,
-    overlap,
     pooled_sd,
     quantile,
     slope,
@@ -124,12 +123,6 @@ def test_slope_of_a_line_is_exact_but_for_the_rounding_of_its_points():
 def test_no_slope_of_two_points_or_of_one_abscissa():
     assert slope([1.0, 2.0], [1.0, 2.0]) is None
     assert slope([1.0, 1.0, 1.0], [1.0, 2.0, 3.0]) is None
-
-
-def test_intervals_that_touch_overlap():
-    assert overlap((0, 1), (1, 2))
-    assert overlap((0, 3), (1, 2))
-    assert not overlap((0, 1), (1.1, 2))
 
 
 # The published tables

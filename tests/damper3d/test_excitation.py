@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from damper_scenes import ball_on_a_turning_floor
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from damper3d.case.excitation import forms
@@ -187,6 +187,7 @@ def test_an_empty_host_under_random_force_has_the_spectrum_of_its_receptance():
 
 @settings(deadline=None, max_examples=30)
 @given(st.lists(st.floats(-3, 3), min_size=3, max_size=8))
+@example([1.0, 5e-324, 0.0, 0.5])
 def test_the_largest_sum_is_that_of_the_best_choice_of_times(speeds):
     """Beside all subsets of them; each lasts, so that no parabola rounds it."""
     v = np.repeat(np.array(speeds), 3)

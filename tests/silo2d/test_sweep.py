@@ -430,7 +430,7 @@ def test_a_full_disk_in_a_run(swept, digests):
 
 # Killed and stopped
 
-SLOW = {"run.max_time": "0.12 s", "run.time_step": "4 us", "output.checkpoint_interval": "5 ms"}
+SLOW = {"run.max_time": "0.3 s", "run.time_step": "4 us", "output.checkpoint_interval": "5 ms"}
 
 
 @pytest.fixture

@@ -60,7 +60,7 @@ CHANGING = ("answer", "pushed", "books")  # arrays that the steps change: what a
 
 
 class Behind(NamedTuple):
-    """What contacts with walls need of what moves them, where they do not turn."""
+    """Mobility behind walls that do not turn: all that their contacts need of what moves them."""
 
     mobility: float  # inverse of the mass that stands behind the walls [1/kg]
 

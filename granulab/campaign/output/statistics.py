@@ -152,11 +152,6 @@ def noise_of_one_more(n: int, sd: float, freedom: float) -> float:
     return quantile(freedom) * sd * math.sqrt(1 + 1 / n)
 
 
-def overlap(first: tuple[float, float], second: tuple[float, float]) -> bool:
-    """Return whether two intervals have a point in common."""
-    return first[0] <= second[1] and second[0] <= first[1]
-
-
 @dataclass(frozen=True)
 class Slope:
     """A straight line's slope from n points, and its standard error."""

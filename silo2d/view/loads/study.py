@@ -14,13 +14,14 @@ from granulab.errors import FolderError, InputError
 from silo2d.case.case import SiloCase
 from silo2d.loads.assess import Loads, closed_forms
 from silo2d.loads.design import Design, design_of, load_beside
+from silo2d.loads.janssen import Floats
 from silo2d.loads.jenike import flow_pattern, mass_flow_limit
 from silo2d.loads.vessel import Vessel
 from silo2d.measures import fields, loads, massflow
 from silo2d.measures.basics.contacts import read_moments
 from silo2d.measures.basics.particles import prism_length
 from silo2d.measures.basics.walls import STRETCH
-from silo2d.measures.janssen import Column, column, vertical_walls
+from silo2d.measures.janssen import Column, column, topmost_vertical, vertical_walls
 from silo2d.view.loads.pooling import combined, half_width, mean_of
 from silo2d.view.scene import Scene
 
@@ -48,13 +49,14 @@ def refuse_case(case: SiloCase) -> None:
     """Raise InputError for a case whose runs would have no loads to compare, before it is run."""
     if case.impulses:
         raise InputError(f"{case.name}: [run] engine = 'pymunk': loads need the contacts of dem")
-    walls = case.outline.walls()
-    start, end = walls.segments.transpose(1, 0, 2)
-    upright = np.abs(end - start)[:, 0] <= 1e-6 * np.abs(end - start)[:, 1]
-    upright &= [not name.startswith("insert") for name in walls.names]
-    sides = np.sign(start[upright, 0] - case.outline.outlet_centre)
-    if not {-1.0, 1.0} <= set(sides):
-        raise InputError(f"{case.name}: needs a vertical wall on each side, whose loads are sought")
+    walls, centre = case.outline.walls(), case.outline.outlet_centre
+    segments = walls.segments[: walls.doors[0]]
+    side = np.where(segments.mean(axis=1)[:, 0] < centre, -1, 1)
+    side[[name.startswith("insert") for name in walls.names[: len(segments)]]] = 0
+    with located(f"{case.name}:"):
+        upright = segments[topmost_vertical(segments, side)]
+        _refuse_below(_foot(upright), case.settings.fill.level, case.settings.fill.level)
+        _half_angle(segments, upright)
 
 
 def study(
@@ -71,8 +73,9 @@ def study(
     _refuse_unlike(folders, cases)
     moments = read_moments(folders[0])
     scene, own = moments[0].scene, column(moments[:1])
+    foot = _foot(scene.walls[vertical_walls(scene)])
     # One for all runs, whose particles differ a little, and as long as makes a page.
-    stretch = max(STRETCH * scene.particle_size, (own.fill[0] - _foot(scene)) / _ROWS)
+    stretch = max(STRETCH * scene.particle_size, (own.fill[0] - foot) / _ROWS)
     each = [loads.measure(folder, between, stretch) for folder in folders]
     dem = combined(each) | _flow_of(folders, between)
     with located(f"{folders[0]}:"):
@@ -94,10 +97,10 @@ def study(
         "seeds": [case.settings.run.seed for case in cases],
         "runs": [str(folder) for folder in folders],
         "fill_m": own.fill[0],
-        "foot_m": _foot(scene),
+        "foot_m": foot,
         "dem": dem,
         "closed_forms": closed_forms(design),
-        "compared": compared(design, each, own.fill[0], _foot(scene)),
+        "compared": compared(design, each, own.fill[0], foot),
         "flow": _flow_pattern(design, dem),
     }
 
@@ -148,31 +151,36 @@ def _known(case: SiloCase, own: Column, length: float, dem: Mapping[str, Any]) -
 def vessel_of(scene: Scene, own: Column, length: float, rough_plates: bool) -> Vessel:
     """The vessel that a run's silo is: a slot, filled to its level surface."""
     (left, _), (right, _) = scene.trajectory.attributes["lips"]
-    foot, level = _foot(scene), scene.trajectory.attributes["level"]
-    height = own.fill[0] - foot
-    if not height > 0:
+    upright = scene.walls[vertical_walls(scene)]
+    foot, level = _foot(upright), scene.trajectory.attributes["level"]
+    _refuse_below(foot, own.fill[0], level)
+    return Vessel(
+        "slot", own.width, length, own.fill[0] - foot, _half_angle(scene.walls, upright),
+        float(right - left), "wedge", rough_plates=rough_plates,
+    )  # fmt: skip
+
+
+def _refuse_below(foot: float, surface: float, level: float) -> None:
+    """Raise InputError unless the surface of a filling lies above the foot of the walls [m]."""
+    if not surface > foot:
         raise InputError(
             f"[fill] level = {level:.4g} m: lies no higher than the foot of its vertical walls, "
             f"{foot:.4g} m, which bear nothing; fill it higher, such as --fill-level "
             f"'{2 * foot:.2g} m', or take silo2d observe RUN loads, which needs no such walls"
         )
-    return Vessel(
-        "slot", own.width, length, height, _half_angle(scene), float(right - left), "wedge",
-        rough_plates=rough_plates,
-    )  # fmt: skip
 
 
-def _foot(scene: Scene) -> float:
-    """Height of the foot of the vertical walls [m], the higher of the two."""
-    return float(scene.walls[vertical_walls(scene)][:, :, 1].min(axis=1).max())
+def _foot(upright: Floats) -> float:
+    """Height of the foot of the vertical walls (2, 2, 2) [m], the higher of the two."""
+    return float(upright[:, :, 1].min(axis=1).max())
 
 
-def _half_angle(scene: Scene) -> float | None:
+def _half_angle(walls: Floats, upright: Floats) -> float | None:
     """Half angle [rad] of the walls that go on below the vertical ones; None of a floor."""
     angles = []
-    for wall in vertical_walls(scene):
-        foot = min(scene.walls[wall], key=lambda end: end[1])
-        for other in scene.walls:
+    for wall in upright:
+        foot = min(wall, key=lambda end: end[1])
+        for other in walls:
             ends = np.abs(other - foot).max(axis=1) < 1e-9
             run, rise = np.abs(other[1] - other[0])
             if ends.any() and run > 1e-9:
