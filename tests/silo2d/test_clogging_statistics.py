@@ -202,7 +202,8 @@ def test_outlets_of_many_diameters_have_laws():
     seen = laws.Outlets(across, 100 * means, np.full(3, 100.0))
     assert laws.exponential(seen).parameters["C"].value == pytest.approx(0.04, rel=1e-3)
     assert laws.power(seen) is not None
-    assert laws.outlet_of(1e4, seen).value == pytest.approx(math.sqrt(math.log(1e7) / 0.04))
+    found = laws.outlet_of(1e4, laws.exponential(seen), seen)
+    assert found.value == pytest.approx(math.sqrt(math.log(1e7) / 0.04))
 
 
 @pytest.mark.parametrize("true", ["exponential", "power"])
@@ -233,10 +234,27 @@ def test_too_few_outlets_have_no_law():
     assert laws.exponential(one) is None
 
 
-def test_outlet_of_a_mean_avalanche_is_the_laws():
-    found = laws.outlet_of(900.0, exact(2.0 * np.exp(0.2 * ACROSS**2)))
-    assert found.value == pytest.approx(math.sqrt(math.log(900 / 2.0) / 0.2), rel=1e-4)
+POWER = 0.5, 6.0, 4.0  # A, critical D/d, g
+
+
+@pytest.mark.parametrize(("fit", "means", "true"), [
+    (laws.exponential, 2.0 * np.exp(0.2 * ACROSS**2), math.sqrt(math.log(900 / 2.0) / 0.2)),
+    (laws.power, POWER[0] * (1 - ACROSS / POWER[1]) ** -POWER[2],
+     POWER[1] * (1 - (POWER[0] / 900) ** (1 / POWER[2]))),
+    (laws.power, 0.5 * np.exp(1.2 * ACROSS), math.log(1800) / 1.2),  # no outlet is critical
+])  # fmt: skip
+def test_outlet_of_a_mean_avalanche_is_the_laws(fit, means, true):
+    seen = exact(means)
+    found = laws.outlet_of(900.0, fit(seen), seen)
+    assert found.value == pytest.approx(true, rel=2e-3)
     assert found.low < found.value < found.high
+
+
+def test_no_outlet_has_a_mean_avalanche_below_that_of_a_closed_one():
+    seen = exact(2.0 * np.exp(0.2 * ACROSS**2))
+    assert laws.outlet_of(1.0, laws.exponential(seen), seen) is None
+    falling = exact(2.0 * np.exp(-0.2 * ACROSS**2))
+    assert laws.outlet_of(900.0, laws.exponential(falling), falling) is None
 
 
 # Waiting times
@@ -321,11 +339,14 @@ def test_a_study_gathers_seeds_and_locates_the_outlet_that_clogs_half(rng):
     assert first["arch_particles"] == [0, 0, 0, 2, 0, 4]
     mean = 1 / (1 - 0.5 ** (1 / 300))
     true = 0.01 * math.sqrt(math.log(mean / 2) / 0.2)
-    half, *rarer = found["outlets_by_probability"]
-    low, high = half["interval_m"]
-    assert low < true < high
-    assert [one["probability"] for one in rarer] == [0.05, 0.01]
-    assert half["outlet_m"] < rarer[0]["outlet_m"] < rarer[1]["outlet_m"]
+    by_law = {
+        name: [one for one in found["outlets_by_probability"] if one["law"] == name]
+        for name in ("exponential", "power")
+    }
+    for half, *rarer in by_law.values():
+        assert half["interval_m"][0] < true < half["interval_m"][1]
+        assert [one["probability"] for one in rarer] == [0.05, 0.01]
+        assert half["outlet_m"] < rarer[0]["outlet_m"] < rarer[1]["outlet_m"]
     assert rarer[1]["extrapolated"]
     assert found["independence"]["low"] < 0 < found["independence"]["high"]
 
@@ -374,7 +395,8 @@ def test_report_and_picture_say_what_was_found(rng, tmp_path):
     found = study(rows, 0.15)
     text = in_words(found)
     assert "A exp(C (D/d)^2)" in text
-    assert "50 % of the silos of 300 particles clog at an outlet of" in text
+    assert "of the silos of 300  clog at (exponential law)" in text
+    assert re.search(r"\n5 % .* mm, D/d [\d.]+, extrapolated *\n1 % ", text)
     assert re.search(r"50 mm +5\.00 +\d+ +0 ", text)
     path = write_figure(tmp_path / "clog.png", lambda: draw(found, rows, "Clogging"))
     assert path.stat().st_size > 20_000

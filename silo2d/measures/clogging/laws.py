@@ -24,7 +24,10 @@ Floats = NDArray[np.float64]
 IN_THE_PLANE = 2.0  # n
 _RATES, _SLOPES = (-0.5, 5.0), (1e-3, 20.0)  # of C and b = g/R_c that are looked at
 _CRITICAL = math.log(1e-2), math.log(1e4)  # logarithm of R_c over the largest outlet that clogged
+_BEYOND = math.log(1e-4), math.log(1e4)  # the same over any outlet of which it is above
 _LEAST_POWER = math.log(1e-2)  # logarithm of g
+_HALVINGS = 45  # of the range of rates
+_NEVER = 1e6  # for the infinite logarithm of a mean beyond a critical outlet
 
 
 @dataclass(frozen=True)
@@ -82,6 +85,16 @@ class Law:
             return value["A"] * np.exp(value["C"] * across**IN_THE_PLANE)
         return value["A"] * np.exp(value["g"] * _log_gap(across, value["critical"]))
 
+    def outlet(self, mean: float) -> float | None:
+        """D/d at which a mean avalanche is as large; None where no outlet's is."""
+        value = {name: one.value for name, one in self.parameters.items()}
+        more = math.log(mean / value["A"])
+        if more <= 0 or value.get("C", 1.0) <= 0:
+            return None
+        if self.name == "exponential":
+            return math.pow(more / value["C"], 1 / IN_THE_PLANE)
+        return -value["critical"] * math.expm1(-more / value["g"])
+
 
 def exponential(seen: Outlets) -> Law | None:
     """The law without a critical outlet; None of fewer than two outlets that clogged."""
@@ -96,35 +109,49 @@ def exponential(seen: Outlets) -> Law | None:
     c = _interval(best, rate, *_RATES)
 
     def best_of_a(log_a: float) -> float:
-        return best_of_mean(seen, 0.0, log_a)
+        return best_of_mean("exponential", seen, 0.0, log_a)
 
     log_a = seen.profile(rate * square)[1]
     a = _interval(best_of_a, log_a, log_a - 20, log_a + 20)
     return _law("exponential", {"A": _exp(a), "C": c}, best(rate), seen)
 
 
-def outlet_of(mean: float, seen: Outlets) -> Estimate | None:
-    """D/d at which the exponential law has a mean avalanche, with its interval."""
-    law = exponential(seen)
-    if law is None or law.parameters["C"].value <= 0:
+def outlet_of(mean: float, law: Law, seen: Outlets) -> Estimate | None:
+    """D/d at which a law fitted to outlets has a mean avalanche, with its interval."""
+    at = law.outlet(mean)
+    if at is None:
         return None
-    log_a, rate = math.log(law.parameters["A"].value), law.parameters["C"].value
-    square = (math.log(mean) - log_a) / rate
-    if square <= 0:
-        return None
-    at, most = math.sqrt(square), 4 * max(math.sqrt(square), float(seen.across.max()))
-    return _interval(lambda r: best_of_mean(seen, r, math.log(mean)), at, 1e-3, most)
+    most = 4 * max(at, float(seen.across.max()))
+    return _interval(lambda r: best_of_mean(law.name, seen, r, math.log(mean)), at, 1e-3, most)
 
 
-def best_of_mean(seen: Outlets, across: float, log_mean: float) -> float:
-    """Largest log likelihood of the exponential laws with a mean avalanche at an outlet D/d."""
-    square = seen.across**IN_THE_PLANE - across**IN_THE_PLANE
+def best_of_mean(name: str, seen: Outlets, across: float, log_mean: float) -> float:
+    """Largest log likelihood of the laws of a name with a mean avalanche at an outlet D/d."""
+    forms, (low, high) = _forms(name, seen, across)
+    less, more = np.full((2, len(forms), 1), [[[low]], [[high]]])
 
-    def of(rate: float) -> float:
-        log_m = log_mean + rate * square
-        return float(-seen.clogs @ log_m - seen.exposure @ np.exp(-np.clip(log_m, -500, None)))
+    def left(rate: Floats) -> Floats:
+        return seen.exposure * np.exp(-np.clip(log_mean + rate * forms, -500, None))
 
-    return of(_highest(of, *_RATES))
+    for _ in range(_HALVINGS):  # the likelihood is concave in the rate
+        rate = (less + more) / 2
+        rises = ((left(rate) - seen.clogs) * forms).sum(axis=1, keepdims=True) > 0
+        less, more = np.where(rises, rate, less), np.where(rises, more, rate)
+    found = -(log_mean + less * forms) @ seen.clogs - left(less).sum(axis=1)
+    return float(found.max())
+
+
+def _forms(name: str, seen: Outlets, across: float) -> tuple[Floats, tuple[float, float]]:
+    """Logarithms of means over that at an outlet (m, o), for a rate of 1, and ends of the rate.
+
+    Of the power law for m critical outlets.
+    """
+    if name == "exponential":
+        return (seen.across**IN_THE_PLANE - across**IN_THE_PLANE)[None], _RATES
+    largest = max(float(seen.across[seen.clogs > 0].max()), across)
+    critical = largest + np.exp(np.linspace(*_BEYOND, 161))[:, None]
+    form = critical * (_log_gap(seen.across, critical) - _log_gap(np.array([across]), critical))
+    return np.minimum(form, _NEVER), _SLOPES
 
 
 def power(seen: Outlets) -> Law | None:
@@ -165,7 +192,7 @@ def power(seen: Outlets) -> Law | None:
     return _law("power", parameters, of(u, slope), seen)
 
 
-def _log_gap(across: Floats, critical: float) -> Floats:
+def _log_gap(across: Floats, critical: float | Floats) -> Floats:
     """-ln(1 - R/R_c), infinite from the critical outlet on."""
     below = np.where(across < critical, across, 0.0)
     return np.where(across < critical, -np.log1p(-below / critical), np.inf)

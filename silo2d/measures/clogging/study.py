@@ -1,8 +1,9 @@
 """Clogging of a silo by outlet, from the rows of its runs of avalanches."""
 
 import dataclasses
+import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -103,7 +104,7 @@ def study(rows: Sequence[Row], rest_time: float) -> dict[str, Any]:
         "n_particles": n,
         "independence": _independence(outlets),
         "laws": {name: dataclasses.asdict(law) for name, law in laws.items()},
-        "outlets_by_probability": _by_probability(seen, n, diameter, laws.get("exponential")),
+        "outlets_by_probability": _by_probability(seen, n, diameter, laws.values()),
     }
 
 
@@ -187,25 +188,25 @@ def _independence(outlets: Sequence[AtOutlet]) -> dict[str, Any] | None:
 
 
 def _by_probability(
-    seen: Outlets, n: int | None, diameter: float | None, law: Law | None
+    seen: Outlets, n: int | None, diameter: float | None, laws: Iterable[Law]
 ) -> list[dict[str, Any]]:
-    """Outlets at which silos clog with some probabilities P before they are empty.
+    """Outlets at which silos clog with some probabilities P before they are empty, by each law.
 
-    (1 - 1/<s>)^n = 1 - P by the exponential law; larger ones than were seen are extrapolated, but
-    not by a law that those refute (p below 0.05).
+    (1 - 1/<s>)^n = 1 - P; larger ones than were seen are extrapolated, but not by a law that those
+    refute (p below 0.05).
     """
+    if not n or diameter is None:
+        return []
     lines: list[dict[str, Any]] = []
-    if not n or diameter is None or law is None:
-        return lines
-    holds = law.p_value is None or law.p_value >= REFUTED
-    for probability in PROBABILITIES:
-        found = outlet_of(1 / -math.expm1(math.log1p(-probability) / n), seen)
+    for probability, law in itertools.product(PROBABILITIES, laws):
+        found = outlet_of(1 / -math.expm1(math.log1p(-probability) / n), law, seen)
+        holds = law.p_value is None or law.p_value >= REFUTED
         if found is None or ((beyond := bool(found.value > seen.across.max())) and not holds):
             continue
         ends = [None if end is None else end * diameter for end in (found.low, found.high)]
         lines.append({
-            "probability": probability, "outlet_m": found.value * diameter, "interval_m": ends,
-            "outlet_over_diameter": found.value, "extrapolated": beyond,
+            "probability": probability, "law": law.name, "outlet_m": found.value * diameter,
+            "interval_m": ends, "outlet_over_diameter": found.value, "extrapolated": beyond,
         })  # fmt: skip
     return lines
 

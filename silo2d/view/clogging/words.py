@@ -11,7 +11,8 @@ _NOTES = """\
   of 95 %. The avalanche from the opening is not among them. runs alike: p that the runs of an
   outlet share one <s>; below 0.05 they scatter more than that, and the intervals are wider by it.
 first flow clogged: of the runs, before as many left as the silo holds; "-" where that is not known.
-clogs: probability that the filled silo, which is not refilled, clogs before it is empty, of <s>.
+clogs: probability that the filled silo, which is not refilled, clogs before it is empty, of <s>;
+  the silos that clog at an outlet likewise, of the law of <s>.
 beta: exponent of P(more than s) = exp(-lambda s^beta), from 20 clogs on; p: of an exponential.
 r: rank correlation of successive sizes. arch: particles, mean and most.
 alpha: of the waiting times' density t^-alpha, from one time on at all outlets up to that which
@@ -47,8 +48,8 @@ def in_words(found: Mapping[str, Any]) -> str:
             for one in outlets
         ],
     )  # fmt: skip
-    said = [*_laws(found), *_threshold(found), *_ratholes(found)]
-    return paragraphs(first, second, "\n".join(said), _NOTES)
+    said = [*_laws(found), *_together(found), *_ratholes(found)]
+    return paragraphs(first, second, _threshold(found), "\n".join(said), _NOTES)
 
 
 def _mean(one: Mapping[str, Any]) -> str:
@@ -120,19 +121,34 @@ def _parameter(named: tuple[str, Mapping[str, Any]]) -> str:
     return f"{_NAMES[name]} {_interval(one['value'], (one['low'], one['high']), '.3g')}"
 
 
-def _threshold(found: Mapping[str, Any]) -> list[str]:
-    lines = []
+def _threshold(found: Mapping[str, Any]) -> str:
+    """Return a table of outlets by the share of silos that clog there, by each law."""
+    names, cells = list(found["laws"]), dict[float, dict[str, str]]()
     for one in found["outlets_by_probability"]:
         ends = [None if end is None else 1e3 * end for end in one["interval_m"]]
-        beyond = "; extrapolated" if one["extrapolated"] else ""
-        lines.append(
-            f"{100 * one['probability']:g} % of the silos of {found['n_particles']} particles clog "
-            f"at an outlet of {_interval(1e3 * one['outlet_m'], ends, '.1f')} mm, "
-            f"{one['outlet_over_diameter']:.2f} diameters (exponential law{beyond})"
+        beyond = ", extrapolated" if one["extrapolated"] else ""
+        cells.setdefault(one["probability"], {})[one["law"]] = (
+            f"{_interval(1e3 * one['outlet_m'], ends, '.1f')} mm, "
+            f"D/d {one['outlet_over_diameter']:.2f}{beyond}"
         )
-    law = found["laws"].get("exponential")
-    if law and law["p_value"] is not None and law["p_value"] < REFUTED:
-        lines.append("the outlets refute the exponential law: it gives none beyond them")
+    if not cells:
+        return ""
+    return columns(
+        [f"of the silos of {found['n_particles']}", *(f"clog at ({name} law)" for name in names)],
+        [
+            [f"{100 * probability:g} %", *(own.get(name, "-") for name in names)]
+            for probability, own in cells.items()
+        ],
+    )
+
+
+def _together(found: Mapping[str, Any]) -> list[str]:
+    """Lines on laws that the outlets refute, and on successive sizes."""
+    lines = [
+        f"the outlets refute the {name} law: it gives none beyond them"
+        for name, law in found["laws"].items()
+        if law["p_value"] is not None and law["p_value"] < REFUTED
+    ]
     if (r := found["independence"]) is not None:
         of = "independent" if r["low"] <= 0 <= r["high"] else "not independent"
         lines.append(f"successive avalanches of all outlets are {of}: r = {_correlation(r)}")
