@@ -12,7 +12,8 @@ Flights that do not show drag do not show that there is none. Restitution has th
 that the flights allow, w of any size between two and a hundred impact speeds alike (log-uniform),
 and sigma its scatter. From bounce to bounce the ratios rise by drag alone, or by drag and a contact
 that yields (Johnson 1985, sec. 11.5) by any amount; both are as likely. Restitution that falls with
-falling speed is not known of solids.
+falling speed is not known of solids. A terminal speed that is given stands instead of all that, and
+the flights check it.
 What scatters the flights' accelerations beyond what drag does to them (positions seen wrong over a
 whole flight) may bend them as drag does: sigma holds that, so that drag is not read out of it.
 """
@@ -79,9 +80,13 @@ def _without(y: Array, shape: Array) -> Array:
     return np.asarray(y - shape * float(shape @ y / (shape @ shape)))
 
 
-def with_drag(found: Bounces) -> Bounces:
-    """The same with the mean of all drag that it allows in restitution, its scatter in sigma."""
-    slow = _allowed(found, slowness(found), _most(found))
+def with_drag(found: Bounces, known: Estimate | None = None) -> Bounces:
+    """The same with the mean of all drag that it allows in restitution, its scatter in sigma.
+
+    known: 1/w^2 [frames^2/y^2] of a terminal speed that is given.
+    """
+    seen = slowness(found)
+    slow = _first_order(found, known) if known else _allowed(found, seen, _most(found))
     assert slow.sigma is not None
     per_slow = _added(found, 1.0)
     best = found.best + slow.value * per_slow
@@ -91,6 +96,8 @@ def with_drag(found: Bounces) -> Bounces:
         found, best=best, covariance=covariance, pooled=pooled, p=p, slow=slow,
         exponent=_exponent(found, slow),
     )  # fmt: skip
+    if known:
+        return replace(corrected, warnings=[*found.warnings, *_unlike(known, seen)])
     if slow.value < _SIGMAS * slow.sigma:
         return corrected
     warning = (
@@ -99,6 +106,15 @@ def with_drag(found: Bounces) -> Bounces:
         f"higher than {found.method} say by {slow.value * np.mean(per_slow):.2g}; it is corrected"
     )
     return replace(corrected, warnings=[*found.warnings, warning])
+
+
+def _unlike(known: Estimate, seen: Estimate) -> list[str]:
+    """A warning where the flights contradict a terminal speed that is given."""
+    off = np.hypot(known.sigma or 0.0, seen.sigma or 0.0)
+    if abs(seen.value - known.value) <= _SIGMAS * off:
+        return []
+    share = f"{np.sqrt(known.value / seen.value):.2g} of it" if seen.value > 0 else "no drag"
+    return [f"the flights do not show the terminal speed that is given, but {share}; it stands"]
 
 
 def _added(found: Bounces, slow: float) -> Array:

@@ -61,6 +61,22 @@ def not_upright(found: Bounces) -> list[str]:
     ]
 
 
+def rate_of(found: Bounces, fps: float | None) -> float | None:
+    """Frames/s of the camera [1/s]: as given, else what the time stamps say, where they do."""
+    stamped = found.track.rate
+    return fps or (stamped and stamped * found.base.share)
+
+
+def speed_of_a_unit(found: Bounces, fps: float | None, scale: float | None) -> float | None:
+    """Speed [m/s] of one unit of y a frame, by g of free fall where rate or scale lacks."""
+    rate, fall = rate_of(found, fps), abs(found.flights.acceleration[0])
+    if rate and scale:
+        return rate * scale
+    if rate:
+        return STANDARD_GRAVITY.value / (fall * rate)
+    return math.sqrt(STANDARD_GRAVITY.value * scale / fall) if scale else None
+
+
 def with_free_fall(
     found: Bounces, fps: float | None, scale: float | None, header: float | None = None
 ) -> Drop:
@@ -72,8 +88,7 @@ def with_free_fall(
     """
     value, sigma = found.flights.acceleration
     fall = Estimate(abs(value), sigma, len(found.flights.rows))
-    stamped = found.track.rate
-    used = fps or (stamped and stamped * found.base.share)
+    stamped, used = found.track.rate, rate_of(found, fps)
     rate = Estimate(used, 0.0, 1) if used else None
     length = Estimate(scale, 0.0, 1) if scale else None
     gravity, remarks, warnings = None, list(found.base.remarks), list(found.warnings)

@@ -6,15 +6,18 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 from calibration.drop.bounce import Bounces
 from calibration.drop.choice import the_one_that_bounces
 from calibration.drop.drag import with_drag
-from calibration.drop.fall import with_free_fall
+from calibration.drop.fall import speed_of_a_unit, with_free_fall
 from calibration.drop.first import may_overlap, with_first
 from calibration.drop.result import Drop
 from calibration.files.track_table import read_tracks, refuse_units
 from calibration.result import checked, draw
-from calibration.statistics.quantity import metres_per_pixel
+from calibration.statistics.quantity import measured_quantity, metres_per_pixel
+from calibration.statistics.uncertainty import Estimate
 from calibration.tracking.film.reader import (
     Film,
     Progress,
@@ -24,6 +27,7 @@ from calibration.tracking.film.reader import (
     said_rate,
 )
 from calibration.tracking.track import Track
+from granulab.contact.material import Measured
 from granulab.errors import InputError
 
 
@@ -34,6 +38,7 @@ def measure_drop(
     scale: str | float | None = None,
     track: str | None = None,
     one_bounce: bool = False,
+    terminal_speed: str | None = None,
     roi: tuple[int, int, int, int] | None = None,
     hint: tuple[float, float, float] | None = None,
     progress: Progress | None = None,
@@ -47,6 +52,8 @@ def measure_drop(
     scale       "0.81 mm/px", or metres per unit of x and y
     track       name of the track, where several objects bounce
     one_bounce  take a clip with a single bounce: eq. 3.5 without a check of one bounce by another
+    terminal_speed
+                at which its fall in air would end, "45 m/s +- 10 %"; else as the track allows
     roi         x, y, width, height of the part of a film to look at [px]
     hint        frame, x, y [px] of the object in a film
     progress    receives the share of a film that is read, and a few words
@@ -57,6 +64,9 @@ def measure_drop(
     """
     where = f"{source}: " if isinstance(source, str | Path) else ""
     length = _metres(scale)
+    terminal = None
+    if terminal_speed is not None:
+        terminal = measured_quantity(terminal_speed, "m/s", "--terminal-speed")
     fps = said_rate(fps)
     film = open_film(source) if isinstance(source, str | Path) and is_film(source) else None
     if film is None:
@@ -66,11 +76,10 @@ def measure_drop(
         read = partial(_followed, film, roi, hint, progress)
         found = _of_film(lambda overlapping: the_one_that_bounces(
             read(overlapping), track, one_bounce, where))  # fmt: skip
-    found = with_drag(found)
     if length is not None and found.track.scale is not None:
         raise InputError(f"{where}--scale: the unit of y stands in the table's head already")
-    found, first = with_first(found)
     length = found.track.scale if length is None else length
+    found, first = with_first(with_drag(found, _slowness(terminal, found, fps, length, where)))
     drop = with_free_fall(found, fps, length, None if film is None else film.rate)
     drop = replace(drop, first=first)
     checked(drop.to_dict(), [source] if isinstance(source, str | Path) else ())
@@ -88,6 +97,24 @@ def _metres(scale: str | float | None) -> float | None:
     if not 0 < scale < math.inf:
         raise InputError(f"--scale = {scale!r}: must be positive, such as '0.81 mm/px'")
     return scale
+
+
+def _slowness(
+    terminal: Measured | None, found: Bounces, fps: float | None, scale: float | None, where: str
+) -> Estimate | None:
+    """1/w^2 [frames^2/y^2] of a terminal speed w [m/s] that is given; None of none."""
+    if terminal is None:
+        return None
+    unit, fastest = speed_of_a_unit(found, fps, scale), float(np.max(found.speeds[:, 0]))
+    if unit is None:
+        raise InputError(f"{where}--terminal-speed needs --fps or --scale: give one of them too")
+    if not terminal.value > fastest * unit:
+        raise InputError(
+            f"{where}--terminal-speed = {terminal.value:g} m/s: must be above "
+            f"{fastest * unit:.3g} m/s, as fast as it hits the plate"
+        )
+    slow = (unit / terminal.value) ** 2
+    return Estimate(slow, 2 * slow * (terminal.sigma or 0.0) / terminal.value, 1)
 
 
 def _tracks(

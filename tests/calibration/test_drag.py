@@ -4,7 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import assert_refuses
 
+from calibration import measure_drop
 from calibration.drop.bounce import find_bounces
 from calibration.drop.drag import slowness, with_drag
 from calibration.tracking.track import Track
@@ -77,6 +79,31 @@ def test_drag_that_three_sigma_do_not_show_is_taken_off_all_the_same():
     value, sigma = np.array(off).T
     assert abs(np.mean(value)) < 0.02
     assert np.mean(np.abs(value) < 2 * sigma) > 0.6
+
+
+@pytest.mark.parametrize("known", [{"fps": 30}, {"scale": 3e-3}])
+def test_a_terminal_speed_that_is_given_leaves_the_bias_of_the_first_order(known):
+    """(v/w)^2 = 0.2 at impact, whose square times e (1 + e^2)/4 is 0.01: within a half of that."""
+    for seed in range(6):
+        found = measure_drop(ping_pong(seed), terminal_speed="9 m/s +- 5 %", **known).restitution
+        assert found.value == pytest.approx(0.85, abs=min(5e-3, 2 * found.sigma))
+
+
+def test_a_terminal_speed_that_the_flights_contradict_is_named():
+    found = measure_drop(fallen(120.0), fps=240, terminal_speed="60 m/s")
+    assert any("do not show the terminal speed that is given" in said for said in found.warnings)
+    unseen = measure_drop(fallen(1e6), fps=240, terminal_speed="2 km/s")
+    assert not any("terminal" in said for said in unseen.warnings)
+    assert unseen.restitution.sigma < measure_drop(fallen(1e6), fps=240).restitution.sigma
+
+
+@pytest.mark.parametrize(("how", "words"), [
+    ({"terminal_speed": "9 m/s"}, "needs --fps or --scale"),
+    ({"terminal_speed": "4 m/s", "fps": 30}, "must be above 4.4 m/s, as fast"),
+    ({"terminal_speed": "9 m", "fps": 30}, "--terminal-speed"),
+])  # fmt: skip
+def test_terminal_speeds_that_cannot_be_are_refused(how, words):
+    assert_refuses([words], measure_drop, ping_pong(0), **how)
 
 
 @pytest.mark.parametrize("shutter", [0.0, 1 / 500, -1 / 500])

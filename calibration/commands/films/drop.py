@@ -26,6 +26,10 @@ from granulab.campaign.cli.commandline import quiet_option
 @click.option("--scale", metavar='"0.81 mm/px"', help="Length per unit of x and y.")
 @click.option("--track", metavar="NAME", help="Which of several objects that bounce.")
 @click.option("--one-bounce", is_flag=True, help="Take a single bounce, unchecked by another.")
+@click.option(
+    "--terminal-speed", metavar='"45 m/s +- 10 %"',
+    help="At which its fall in air would end, where that is known [default: as far as it shows].",
+)  # fmt: skip
 @roi_option("Part of the picture to look at, in pixels.")
 @click.option("--at", metavar="frame,x,y", help="Where the object is in some frame of a film.")
 @figures_option("Put diagnostic figure and annotated film there.")
@@ -34,8 +38,8 @@ from granulab.campaign.cli.commandline import quiet_option
 @answers_options
 def command(
     files: tuple[str, ...], fps: float | None, units: dict[str, str], scale: str | None,
-    track: str | None, one_bounce: bool, roi: Box | None, at: str | None, out: Path | None,
-    into: Into | None, quiet: bool, as_json: bool,
+    track: str | None, one_bounce: bool, terminal_speed: str | None, roi: Box | None,
+    at: str | None, out: Path | None, into: Into | None, quiet: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Restitution of an object that falls on a plate and bounces (eq. 3.5).
 
@@ -52,8 +56,9 @@ def command(
     from granulab.campaign.output.terminal import Progress
 
     how = {
-        "fps": fps, "scale": scale, "track": track, "one_bounce": one_bounce, "roi": roi,
-        "hint": position(at), "units": units, "out": out,
+        "fps": fps, "scale": scale, "track": track, "one_bounce": one_bounce,
+        "terminal_speed": terminal_speed, "roi": roi, "hint": position(at), "units": units,
+        "out": out,
     }  # fmt: skip
     several = len(files) > 1 or is_folder_of_films(Path(files[0]))
     with Progress(Path(files[0]).name, quiet) as progress:
