@@ -350,3 +350,12 @@ def test_sweep_says_the_time_left_from_what_its_runs_took():
     assert left == pytest.approx(75.0, rel=0.1)
     assert done == pytest.approx(3 / 8, abs=0.03)
     assert progress_of(Tally(1, 1, took={0: 5.0}), [10.0]) == (1.0, 0.0)
+
+
+def test_a_run_that_takes_longer_than_its_like_is_not_done():
+    """The last of two, of which the first took 10 s, is at work for a minute: not at 100 %."""
+    done, left = progress_of(
+        Tally(2, 1, 1, 0, slots=1, took={0: 10.0}, since={1: 60.0}), [10.0] * 2
+    )
+    assert done < 0.95
+    assert left >= 0.15 * 60

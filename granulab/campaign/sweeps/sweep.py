@@ -36,6 +36,7 @@ from granulab.errors import Failed, FolderError, InputError, SimulationError, St
 
 _LOOK = 0.5  # [s] between looks whether another process has ended a run
 _TRUSTED = 1.0  # [s] of runs, from which on their cost is rather measured than expected
+_LONGER = 1.2  # what a run that is still at work will take at least, over what it took so far
 
 Labels = dict[str, Any]
 Labelled = tuple[Labels, Any]  # the labels and the case that they name
@@ -409,7 +410,8 @@ def progress_of(tally: Tally, costs: Sequence[float]) -> tuple[float, float]:
     """
     measured, expected = sum(tally.took.values()), sum(costs[k] for k in tally.took)
     slowness = (_TRUSTED + measured) / (_TRUSTED + expected)
-    slowness = max([slowness, *(time / costs[k] for k, time in tally.since.items())])
+    overdue = (_LONGER * time / costs[k] for k, time in tally.since.items())
+    slowness = max([slowness, *overdue])
     cost = {k: slowness * each for k, each in enumerate(costs) if k not in tally.took}
     left = {k: each - tally.since.get(k, 0.0) for k, each in cost.items()}
     longest = max(left.values(), default=0.0)
