@@ -26,9 +26,8 @@ from granulab.contact.jit import inlined_inner, inner, specialised, uncounted
 @inner
 def take_steps(world, n_steps):
     """Up to n_steps steps; how many were taken, and DONE or why no more."""
-    direction, dt = world.direction, world.time_step
     room, bed = without_shaker(world), without_walls(world)
-    shift, speed = enclosure_at(world.shaker, direction, world.counts[STEP] * dt)
+    shift, speed = place_now(world)
     for taken in range(n_steps):
         if world.counts[STALE_INNER] or world.counts[STALE_WALL]:
             outcome = search(room, shift)
@@ -38,7 +37,7 @@ def take_steps(world, n_steps):
         apply_forces(room, shift, speed)
         ride(world, before)
         world.counts[STEP] += 1
-        shift, speed = enclosure_at(world.shaker, direction, world.counts[STEP] * dt)
+        shift, speed = place_now(world)
         drive_walls(room)
         move(bed, shift, np.int64(0), world.parts[-1])
     return n_steps, DONE

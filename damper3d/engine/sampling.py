@@ -69,10 +69,11 @@ def advance_sampling(world, steps_per_sample, rows):
     again, as they would be in the next step: a sample that counts the contacts of an old list
     depends on when it was made.
     """
-    for k in range(max(len(rows), 1)):
+    if len(rows) == 0:
         taken, outcome = take_steps(world, steps_per_sample)
-        if len(rows) == 0:
-            return 0, taken, outcome
+        return 0, taken, outcome
+    for k in range(len(rows)):
+        taken, outcome = take_steps(world, steps_per_sample)
         if outcome == DONE:
             outcome = search(without_shaker(world), place_now(world)[0])
         if outcome != DONE:

@@ -17,7 +17,7 @@ from damper3d.engine.forces import (
     take_push,
 )
 from damper3d.engine.geometry import copy
-from damper3d.engine.integrate import enclosure_at, force_so_far, ride, search
+from damper3d.engine.integrate import force_so_far, place_now, ride, search
 from damper3d.engine.kinds import first_sphere, measure_gaps, move
 from damper3d.engine.laws.balance import NO_LOSS, add_to_balance, added, take_totals
 from damper3d.engine.laws.cohesion import Jkr
@@ -102,7 +102,7 @@ def advance_shared(world, team, thread, n_steps, arrived):
     if n_steps == 0:  # to compile, by one thread
         return taken, outcome, arrived
     room, bed = without_shaker(world), without_walls(world)
-    shift, speed = _enclosure_now(world)
+    shift, speed = place_now(world)
     while taken < n_steps:
         if world.counts[STALE_INNER] or world.counts[STALE_WALL]:
             outcome, arrived = _search(room, team, thread, shift, arrived)
@@ -117,7 +117,7 @@ def advance_shared(world, team, thread, n_steps, arrived):
             _push_enclosure(world, team)
         arrived = wait_for_host(world, team, arrived)
         world.counts[STEP] += 1
-        shift, speed = _enclosure_now(world)
+        shift, speed = place_now(world)
         first, last = world.parts[team.parts[thread]], world.parts[team.parts[thread + 1]]
         move(bed, shift, first, last)
         team.stale[thread, 0] = world.counts[STALE_INNER]
@@ -137,24 +137,20 @@ def advance_shared(world, team, thread, n_steps, arrived):
 def advance_sampling_shared(world, team, thread, steps_per_sample, rows):
     """Fill rows as sampling.advance_sampling does, by several threads."""
     arrived, n_threads = np.int64(0), len(team.impacts)
-    for k in range(max(len(rows), 1)):
+    if len(rows) == 0:
+        taken, outcome, _ = advance_shared(world, team, thread, steps_per_sample, arrived)
+        return 0, taken, outcome
+    for k in range(len(rows)):
         taken, outcome, arrived = advance_shared(world, team, thread, steps_per_sample, arrived)
-        if len(rows) == 0:
-            return 0, taken, outcome
         if outcome == DONE:
-            shift, _ = _enclosure_now(world)
-            outcome, arrived = _search(without_shaker(world), team, thread, shift, arrived)
+            room, shift = without_shaker(world), place_now(world)[0]
+            outcome, arrived = _search(room, team, thread, shift, arrived)
         if outcome != DONE:
             return k, taken, outcome
         if thread == 0:
             sampling.sample(world, steps_per_sample, rows[k])
         arrived = wait(team.clock, n_threads, arrived)
     return len(rows), np.int64(0), np.int64(DONE)
-
-
-@inlined_inner
-def _enclosure_now(world):
-    return enclosure_at(world.shaker, world.direction, world.counts[STEP] * world.time_step)
 
 
 @inlined_inner

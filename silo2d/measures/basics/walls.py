@@ -3,6 +3,7 @@
 Tractions are of the plane [N/m]: divide by the prisms' length for pascals.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,11 +22,14 @@ def sides(scene: Scene) -> NDArray[np.int64]:
 
     0 for doors and the sides of inserts.
     """
-    middles = scene.trajectory.static["wall_segments"].mean(axis=1)[:, 0]
-    side = np.where(middles < outlet_centre(scene), -1, 1)
-    walls = len(scene.walls)  # the doors come after them
-    side[walls:] = 0
-    side[:walls][scene.of_insert] = 0
+    segments = scene.trajectory.static["wall_segments"]
+    return sides_of(segments, scene.wall_names, outlet_centre(scene))
+
+
+def sides_of(segments: Floats, names: Sequence[str], centre: float) -> NDArray[np.int64]:
+    """The same of walls (w, 2, 2) with names about an outlet whose middle is at x = centre."""
+    side = np.where(segments.mean(axis=1)[:, 0] < centre, -1, 1)
+    side[[name.startswith(("door", "insert")) for name in names]] = 0
     return side
 
 

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granulab.campaign.output.statistics import CONFIDENCE
+from silo2d.measures.clogging.sizes import REFUTED
 
 Floats = NDArray[np.float64]
 IN_THE_PLANE = 2.0  # n
@@ -78,6 +79,11 @@ class Law:
     aic: float
     p_value: float | None
 
+    @property
+    def refuted(self) -> bool:
+        """Return whether the outlets refute it."""
+        return self.p_value is not None and self.p_value < REFUTED
+
     def mean(self, across: Floats) -> Floats:
         """Mean avalanche at D/d; infinite from a critical outlet on."""
         value = {name: one.value for name, one in self.parameters.items()}
@@ -128,7 +134,7 @@ def outlet_of(mean: float, law: Law, seen: Outlets) -> Estimate | None:
 def best_of_mean(name: str, seen: Outlets, across: float, log_mean: float) -> float:
     """Largest log likelihood of the laws of a name with a mean avalanche at an outlet D/d."""
     forms, (low, high) = _forms(name, seen, across)
-    less, more = np.full((2, len(forms), 1), [[[low]], [[high]]])
+    less, more = np.full((len(forms), 1), low), np.full((len(forms), 1), high)
 
     def left(rate: Floats) -> Floats:
         return seen.exposure * np.exp(-np.clip(log_mean + rate * forms, -500, None))

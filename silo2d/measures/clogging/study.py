@@ -3,7 +3,7 @@
 import dataclasses
 import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +13,6 @@ from granulab.campaign.output.layout import done
 from granulab.campaign.output.statistics import wilson
 from silo2d.measures.clogging.laws import Estimate, Law, Outlets, exponential, outlet_of, power
 from silo2d.measures.clogging.sizes import (
-    REFUTED,
     Mean,
     Run,
     empties,
@@ -108,7 +107,7 @@ def study(rows: Sequence[Row], rest_time: float) -> dict[str, Any]:
     }
 
 
-def laws_of(found: dict[str, Any]) -> list[Law]:
+def laws_of(found: Mapping[str, Any]) -> list[Law]:
     """The laws of a study, as they were fitted."""
     return [
         Law(**{**law, "parameters": {k: Estimate(**v) for k, v in law["parameters"].items()}})
@@ -200,8 +199,7 @@ def _by_probability(
     lines: list[dict[str, Any]] = []
     for probability, law in itertools.product(PROBABILITIES, laws):
         found = outlet_of(1 / -math.expm1(math.log1p(-probability) / n), law, seen)
-        holds = law.p_value is None or law.p_value >= REFUTED
-        if found is None or ((beyond := bool(found.value > seen.across.max())) and not holds):
+        if found is None or ((beyond := bool(found.value > seen.across.max())) and law.refuted):
             continue
         ends = [None if end is None else end * diameter for end in (found.low, found.high)]
         lines.append({

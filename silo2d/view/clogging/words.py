@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from granulab.campaign.output.layout import columns, paragraphs, share
-from silo2d.measures.clogging.sizes import REFUTED
+from silo2d.measures.clogging.study import laws_of
 
 _NOTES = """\
 <s>: particles that leave between two clogs, those of cut avalanches over the clogs; intervals are
@@ -145,9 +145,9 @@ def _threshold(found: Mapping[str, Any]) -> str:
 def _together(found: Mapping[str, Any]) -> list[str]:
     """Lines on laws that the outlets refute, and on successive sizes."""
     lines = [
-        f"the outlets refute the {name} law: it gives none beyond them"
-        for name, law in found["laws"].items()
-        if law["p_value"] is not None and law["p_value"] < REFUTED
+        f"the outlets refute the {law.name} law: it gives none beyond them"
+        for law in laws_of(found)
+        if law.refuted
     ]
     if (r := found["independence"]) is not None:
         of = "independent" if r["low"] <= 0 <= r["high"] else "not independent"

@@ -20,7 +20,7 @@ from silo2d.loads.vessel import Vessel
 from silo2d.measures import fields, loads, massflow
 from silo2d.measures.basics.contacts import read_moments
 from silo2d.measures.basics.particles import prism_length
-from silo2d.measures.basics.walls import STRETCH
+from silo2d.measures.basics.walls import STRETCH, sides_of
 from silo2d.measures.janssen import Column, column, topmost_vertical, vertical_walls
 from silo2d.view.loads.pooling import combined, half_width, mean_of
 from silo2d.view.scene import Scene
@@ -50,13 +50,11 @@ def refuse_case(case: SiloCase) -> None:
     if case.impulses:
         raise InputError(f"{case.name}: [run] engine = 'pymunk': loads need the contacts of dem")
     walls, centre = case.outline.walls(), case.outline.outlet_centre
-    segments = walls.segments[: walls.doors[0]]
-    side = np.where(segments.mean(axis=1)[:, 0] < centre, -1, 1)
-    side[[name.startswith("insert") for name in walls.names[: len(segments)]]] = 0
+    side, level = sides_of(walls.segments, walls.names, centre), case.settings.fill.level
     with located(f"{case.name}:"):
-        upright = segments[topmost_vertical(segments, side)]
-        _refuse_below(_foot(upright), case.settings.fill.level, case.settings.fill.level)
-        _half_angle(segments, upright)
+        upright = walls.segments[topmost_vertical(walls.segments, side)]
+        _refuse_below(_foot(upright), level, level)
+        _half_angle(walls.segments[: walls.doors[0]], upright)
 
 
 def study(
