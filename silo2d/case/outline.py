@@ -50,6 +50,7 @@ class Outline:
     outlet_centre    x of its middle [m]
     inserts          corners (n, 2) [m] of bodies in it, counter-clockwise
     outlets          ends (2, 2) [m] of further outlets in its walls
+    floor            y of the lowest edge where it was drawn [m]: inserts and outlets are drawn so
     """
 
     name: str
@@ -58,6 +59,7 @@ class Outline:
     outlet_centre: float
     inserts: tuple[Points, ...] = ()
     outlets: tuple[Points, ...] = ()
+    floor: float = 0.0
 
     @property
     def lips(self) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -257,7 +259,8 @@ def outline_from_polygon(
     extent = np.ptp(corners, axis=0).max()
     bottom = _levelled(corners, corners[:, 1].min(), extent, f"{field}: the lowest edge")
     _levelled(corners, corners[:, 1].max(), extent, f"{field}: the highest edge (the open top)")
-    corners[:, 1] -= corners[bottom, 1]
+    floor = float(corners[bottom, 1])
+    corners[:, 1] -= floor
     left, right = corners[bottom, 0], corners[(bottom + 1) % len(corners), 0]
     if outlet is None:
         outlet = float(right - left)
@@ -275,7 +278,7 @@ def outline_from_polygon(
             f"{field}: outlet_centre = {_mm(outlet_centre)}: the outlet would leave the lowest "
             f"edge; from {_mm(left + outlet / 2)} to {_mm(right - outlet / 2)} would do"
         )
-    return Outline(name, corners, outlet, outlet_centre)
+    return Outline(name, corners, outlet, outlet_centre, floor=floor)
 
 
 def _levelled(corners: Points, level: float, extent: float, field: str) -> int:

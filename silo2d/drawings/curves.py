@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -36,12 +36,12 @@ class Drawing:
     """Content of a drawing.
 
     unit      its unit [m], or None where the file does not say
-    unread    kinds of entities that were left out, and how many
+    unread    what draws lines and was left out: its kind, and its names as of a curve
     """
 
     curves: list[Curve]
     unit: float | None
-    unread: Counter[str] = field(default_factory=Counter)
+    unread: list[tuple[str, tuple[str, ...]]] = field(default_factory=list)
 
 
 def read_drawing(path: str | Path, unit: str | None = None, layer: str | None = None) -> Drawing:
@@ -51,7 +51,7 @@ def read_drawing(path: str | Path, unit: str | None = None, layer: str | None = 
     layer   its curves alone, by the name of a layer (DXF), or of an element or group (SVG)
 
     Raises InputError, one line that begins with the file, for another kind of file, one that holds
-    no curve, or one without a unit where none is given.
+    no curve or one that is not read, or one without a unit where none is given.
     """
     from silo2d.drawings import dxf, svg
 
@@ -63,22 +63,36 @@ def read_drawing(path: str | Path, unit: str | None = None, layer: str | None = 
     else:
         raise InputError(f"{path}: neither SVG nor DXF; export the drawing as one of them")
     if layer is not None:
-        known = dict.fromkeys(name for curve in drawing.curves for name in curve.names)
-        if layer not in known:
-            raise InputError(f"{path}: no layer {layer!r}; {nearest(layer, known)}")
-        curves = [curve for curve in drawing.curves if layer in curve.names]
-        drawing = Drawing(curves, drawing.unit, drawing.unread)
+        drawing = _of_layer(drawing, layer, path)
+    if drawing.unread:
+        kinds = Counter(kind for kind, _ in drawing.unread)
+        left = ", ".join(f"{number} {kind}" for kind, number in kinds.items())
+        raise InputError(
+            f"{path}: holds {left}, not read as a curve; convert to polylines or paths, or name a "
+            "layer without such"
+        )
     if not drawing.curves:
-        left = ", ".join(f"{number} {kind}" for kind, number in drawing.unread.items())
-        hint = f" but {left}, which are not read; convert them to polylines" if left else ""
-        raise InputError(f"{path}: holds no curve{hint or '; draw lines, arcs or polylines'}")
+        raise InputError(f"{path}: holds no curve; draw lines, arcs or polylines")
     if len(drawing.curves) > MOST_CURVES:
         raise InputError(f"{path}: more than {MOST_CURVES} curves; leave the outline alone in it")
     if unit is not None:
-        return Drawing(drawing.curves, to_si(f"1 {unit}", "m", f"{path}: unit"), drawing.unread)
+        return replace(drawing, unit=to_si(f"1 {unit}", "m", f"{path}: unit"))
     if drawing.unit is None:
         raise InputError(f"{path}: does not say its unit of length; give it, such as --unit mm")
     return drawing
+
+
+def _of_layer(drawing: Drawing, layer: str, path: str | Path) -> Drawing:
+    """A drawing of what is named by a layer alone; InputError where nothing is."""
+    everything = [*(one.names for one in drawing.curves), *(names for _, names in drawing.unread)]
+    known = dict.fromkeys(name for names in everything for name in names)
+    if layer not in known:
+        raise InputError(f"{path}: no layer {layer!r}; {nearest(layer, known)}")
+    return Drawing(
+        [curve for curve in drawing.curves if layer in curve.names],
+        drawing.unit,
+        [one for one in drawing.unread if layer in one[1]],
+    )
 
 
 def _text(path: Path) -> str:

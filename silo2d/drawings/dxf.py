@@ -1,7 +1,6 @@
 """DXF files (ASCII): LINE, ARC, CIRCLE, LWPOLYLINE and POLYLINE with bulges, as curves."""
 
 import math
-from collections import Counter
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -13,7 +12,9 @@ from silo2d.drawings.curves import Curve, Drawing, Piece, arc, curve, line
 # $INSUNITS: length of a drawing's unit [m].
 _UNITS = {1: 0.0254, 2: 0.3048, 4: 1e-3, 5: 1e-2, 6: 1.0, 8: 2.54e-8, 9: 2.54e-5, 10: 0.9144,
           13: 1e-6, 14: 0.1}  # fmt: skip
-_SILENT = {"POINT", "TEXT", "MTEXT", "DIMENSION", "HATCH", "LEADER", "VIEWPORT", "ATTDEF"}
+# Kinds that draw no line of the silo: words, dimensions, fillings, pictures.
+_SILENT = {"POINT", "TEXT", "MTEXT", "DIMENSION", "HATCH", "LEADER", "VIEWPORT", "ATTDEF", "ATTRIB",
+           "MULTILEADER", "TOLERANCE", "IMAGE", "WIPEOUT", "OLE2FRAME", "ACAD_TABLE"}  # fmt: skip
 
 
 class Entity(NamedTuple):
@@ -45,12 +46,14 @@ def looks_like_it(text: str) -> bool:
 def read(text: str, where: str) -> Drawing:
     """The curves of a DXF file; where: the file, for refusals.
 
-    Blocks that are inserted are not read, nor splines and ellipses: they are counted as left out.
+    Blocks that are inserted are not read, nor splines and ellipses: they are named as left out.
+    Sheets (paper space) are no part of the drawing.
     """
     try:
         sections = _sections(text)
         unit = _UNITS.get(_header(sections.get("HEADER", []), "$INSUNITS"))
-        curves, unread = _curves(_entities(sections.get("ENTITIES", [])), where)
+        entities = _entities(sections.get("ENTITIES", []))
+        curves, unread = _curves((one for one in entities if one.number(67) != 1), where)
     except ValueError as error:
         if isinstance(error, InputError):
             raise
@@ -67,7 +70,7 @@ def _sections(text: str) -> dict[str, list[tuple[int, str]]]:
     for k, pair in enumerate(pairs):
         if pair == (0, "SECTION") and k + 1 < len(pairs):
             current = found.setdefault(pairs[k + 1][1], [])
-        elif pair != (0, "ENDSEC"):
+        elif pair not in ((0, "ENDSEC"), (0, "EOF")):
             current.append(pair)
     return found
 
@@ -93,9 +96,12 @@ def _entities(section: list[tuple[int, str]]) -> Iterator[Entity]:
         yield entity
 
 
-def _curves(entities: Iterator[Entity], where: str) -> tuple[list[Curve], Counter[str]]:
+def _curves(
+    entities: Iterator[Entity], where: str
+) -> tuple[list[Curve], list[tuple[str, tuple[str, ...]]]]:
+    """The curves of entities; kind and layer of those that are not read."""
     curves: list[Curve] = []
-    unread: Counter[str] = Counter()
+    unread: list[tuple[str, tuple[str, ...]]] = []
     heavy: Entity | None = None  # a POLYLINE, whose vertices follow
     vertices: list[tuple[float, float, float]] = []
     for entity in entities:
@@ -111,7 +117,8 @@ def _curves(entities: Iterator[Entity], where: str) -> tuple[list[Curve], Counte
             entity, heavy = heavy, None
         found = _pieces(entity, vertices)
         if found is None:
-            unread[entity.kind] += entity.kind not in _SILENT
+            if entity.kind not in _SILENT:
+                unread.append((entity.kind, (entity.layer,)))
             continue
         pieces, closed = found
         if not all(np.isfinite(piece).all() for piece in pieces):
@@ -121,7 +128,7 @@ def _curves(entities: Iterator[Entity], where: str) -> tuple[list[Curve], Counte
             pieces = [piece * [-1.0, 1.0] for piece in pieces]
         if pieces and (one := curve(pieces, closed, (entity.layer,))) is not None:
             curves.append(one)
-    return curves, +unread
+    return curves, unread
 
 
 def _pieces(

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 SPHERORADIUS = 0.1  # over the diameter of a disc of the smallest particle's area
 TOLERANCE = 0.02  # over that of a disc of the mean particle's area
 _CORNERS = 24  # beyond which none is worth its cost: a disc is then within 1 % of its radius
-_ROUNDING = 1e-9  # part of an area
 _EVEN = 0.02  # depth of what is no hollow, over the diameter
 _DENSE = 100  # points along a diameter, between which distances are measured
 
@@ -87,7 +86,7 @@ def _fitted(name: str, drawn: "Polygon", r: float, within: float, where: str) ->
     """The spheropolygon with the fewest corners within a distance, or the nearest there is."""
     core, best = drawn.convex_hull.buffer(-r, join_style="mitre"), None
     for corners in _simpler(core):
-        one = _made(name, corners, core, drawn, r)
+        one = _made(name, corners, drawn, r)
         if one is not None and (best is None or one.error < best.error):
             best = one
         if best is not None and best.error <= within:
@@ -117,23 +116,22 @@ def _simpler(core: "Polygon") -> list[Points]:
     return found[::-1]
 
 
-def _made(name: str, corners: Points, core: "Polygon", drawn: "Polygon", r: float) -> Fitted | None:
+def _made(name: str, corners: Points, drawn: "Polygon", r: float) -> Fitted | None:
     """A spheropolygon on some corners of a core; None where that has no room for the radius.
 
-    Corners that were left out took area with them: the shape gets that of the outline.
+    Round corners and those left out took area with them: the shape gets that of the outline. What
+    rounding takes does not grow with the polygon, whose angles stay.
     """
     from shapely import Polygon, distance, hausdorff_distance, points, segmentize
     from shapely.geometry.polygon import orient
 
-    simpler = Polygon(corners)
-    outer = orient(simpler.buffer(r, join_style="mitre", mitre_limit=1e3))
+    outer = orient(Polygon(corners).buffer(r, join_style="mitre", mitre_limit=1e3))
     corners = np.array(outer.exterior.coords)[:-1]
     try:
+        taken = outer.area - shape_from_outline(name, corners, r, name).area
+        centre = np.array(outer.centroid.coords[0])
+        corners = centre + math.sqrt((drawn.area + taken) / outer.area) * (corners - centre)
         shape = shape_from_outline(name, corners, r, name)
-        if simpler.area < (1 - _ROUNDING) * core.area:
-            centre = np.array(outer.centroid.coords[0])
-            corners = centre + math.sqrt(drawn.area / shape.area) * (corners - centre)
-            shape = shape_from_outline(name, corners, r, name)
     except InputError:
         return None
     rounded = Polygon(corners).buffer(-r, join_style="mitre").buffer(r, quad_segs=16).exterior

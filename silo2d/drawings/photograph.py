@@ -51,15 +51,20 @@ def read_photograph(
     """The particles of a picture that stand out from an even background.
 
     scale        [m/px]; or else
-    bar_length   of a straight bar in the picture [m], with its ends `bar` [px]; left out, the bar
-                 is the longest slender rectangle that there is
+    bar_length   of a straight bar in the picture [m]
+    bar          its ends [px], also with a scale: it is no particle; left out, it is the longest
+                 slender rectangle that there is
 
     Raises InputError, one line that begins with the file, where it is no picture, has no bar, or
     shows no particle.
     """
+    if scale is not None and bar_length is not None:
+        raise InputError(f"{path}: a scale and the length of a bar; leave one of them out")
+    if bar is not None and not math.dist(bar[:2], bar[2:]) > 1:
+        raise InputError(f"{path}: the ends of the bar are the same; give both")
     grey = _grey(Path(path))
     contours = _contours(grey)
-    found = None
+    found = bar
     if scale is None:
         if bar_length is None:
             raise InputError(f"{path}: no scale; give it, or the length of a bar in the picture")
@@ -69,10 +74,7 @@ def read_photograph(
                 f"{path}: no scale bar found (a slender rectangle, {_SLENDER:g} times as long as "
                 "wide); give its two ends, or the scale"
             )
-        length = math.dist(found[:2], found[2:])
-        if not length > 1:
-            raise InputError(f"{path}: the ends of the bar are the same; give both")
-        scale = bar_length / length
+        scale = bar_length / math.dist(found[:2], found[2:])
     particles, left_out = _particles(contours, grey.shape, found)
     if not particles:
         raise InputError(

@@ -2,7 +2,6 @@
 
 import math
 import re
-from collections import Counter
 from collections.abc import Callable, Iterator
 from xml.etree import ElementTree
 
@@ -12,14 +11,15 @@ from granulab.contact.files.units import to_si
 from granulab.errors import InputError
 from silo2d.drawings.curves import Curve, Drawing, Piece, arc, curve, line
 
-# Groups whose content is not drawn where it stands, and what is no curve and leaves nothing out.
+# Groups whose content is not drawn where it stands, and what draws curves that are not read.
 _HIDDEN = {"defs", "symbol", "clipPath", "mask", "marker", "pattern"}
-_SILENT = {"svg", "g", "a", "title", "desc", "metadata", "style", "namedview", "switch"}
+_UNREAD = {"use", "svg", "foreignObject"}
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _COMMAND = re.compile(r"([MmZzLlHhVvCcSsQqTtAa])([^MmZzLlHhVvCcSsQqTtAa]*)")
 _COUNT = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7}
 _SMOOTH = {"S": "CS", "T": "QT"}
 _PER_INCH = 96  # of a CSS pixel, which is the unit of lengths without one
+_SQUARE = 1.001  # scale across over that along: the rounding of sizes in a file
 _EVEN = np.eye(3)
 
 
@@ -37,12 +37,13 @@ def read(text: str, where: str) -> Drawing:
     if _tag(root) != "svg":
         raise InputError(f"{where}: XML, but no SVG (it is {_tag(root)!r}); give an SVG or DXF")
     curves: list[Curve] = []
-    unread: Counter[str] = Counter()
+    unread: list[tuple[str, tuple[str, ...]]] = []
     upright = np.diag([1.0, -1.0, 1.0])
     for element, matrix, names in _drawn(root, upright, (), where):
         shape = _SHAPES.get(_tag(element))
         if shape is None:
-            unread[_tag(element)] += _tag(element) not in _SILENT
+            if _tag(element) in _UNREAD and element is not root:
+                unread.append((_tag(element), names))
             continue
         for pieces, closed in shape(element, where):
             moved = [piece @ matrix[:2, :2].T + matrix[:2, 2] for piece in pieces]
@@ -50,31 +51,47 @@ def read(text: str, where: str) -> Drawing:
                 raise InputError(f"{where}: a {_tag(element)} is not finite; export it again")
             if (found := curve(moved, closed, names)) is not None:
                 curves.append(found)
-    return Drawing(curves, _unit(root, where), +unread)
+    return Drawing(curves, _unit(root, where), unread)
 
 
 def _unit(root: ElementTree.Element, where: str) -> float | None:
-    """The user unit [m]: width over the width of the view box."""
-    width = re.fullmatch(rf"\s*({_NUMBER.pattern})\s*([a-zA-Z%]*)\s*", root.get("width", ""))
-    if width is None or width[2] not in ("mm", "cm", "m", "in", "pt", "pc"):
+    """The user unit [m]: size over that of the view box, which keeps its form (SVG 1.1, 7.8)."""
+    sizes = [_size(root, side, where) for side in ("width", "height")]
+    if sizes == [None, None]:
         return None
-    unit = {"pt": "in", "pc": "in"}.get(width[2], width[2])
-    parts = {"pt": 72, "pc": 6}.get(width[2], 1)
-    length = to_si(f"1 {unit}", "m", f"{where}: width") / parts
     box = _numbers(root.get("viewBox", ""))
     if len(box) != 4:  # user units are CSS pixels
         return 0.0254 / _PER_INCH
-    if not (box[2] > 0 and float(width[1]) > 0):
+    if not min(box[2], box[3], *(size for size in sizes if size is not None)) > 0:
         raise InputError(f"{where}: viewBox and width must be above 0; export the drawing again")
-    return length * float(width[1]) / box[2]
+    units = [size / of for size, of in zip(sizes, box[2:], strict=True) if size is not None]
+    fit = root.get("preserveAspectRatio", "")
+    if fit.startswith("none") and max(units) > _SQUARE * min(units):
+        raise InputError(
+            f"{where}: width and height stretch the viewBox unequally; export the drawing again"
+        )
+    return max(units) if "slice" in fit else min(units)
+
+
+def _size(root: ElementTree.Element, side: str, where: str) -> float | None:
+    """Width or height of the document [m]; None where it has no unit of length."""
+    found = re.fullmatch(rf"\s*({_NUMBER.pattern})\s*([a-zA-Z%]*)\s*", root.get(side, ""))
+    if found is None or found[2] not in ("mm", "cm", "m", "in", "pt", "pc"):
+        return None
+    unit = {"pt": "in", "pc": "in"}.get(found[2], found[2])
+    parts = {"pt": 72, "pc": 6}.get(found[2], 1)
+    return to_si(f"1 {unit}", "m", f"{where}: {side}") / parts * float(found[1])
 
 
 def _drawn(
     element: ElementTree.Element, matrix: np.ndarray, names: tuple[str, ...], where: str
 ) -> Iterator[tuple[ElementTree.Element, np.ndarray, tuple[str, ...]]]:
     """The elements that are drawn, each with its matrix and the names of itself and its groups."""
-    if _tag(element) in _HIDDEN or _display(element) == "none":
+    hidden = _style(element, "display") == "none" or _style(element, "visibility") == "hidden"
+    if _tag(element) in _HIDDEN or hidden:
         return
+    if _style(element, "transform"):
+        raise InputError(f"{where}: a transform within a style is not read; export plain paths")
     matrix = matrix @ _transform(element.get("transform", ""), where)
     own = [value for key, value in element.attrib.items() if key == "id" or key.endswith("}label")]
     names = (*names, *own)
@@ -84,13 +101,13 @@ def _drawn(
             yield from _drawn(child, matrix, names, where)
 
 
-def _display(element: ElementTree.Element) -> str | None:
-    """Return how an element is displayed: by its style, which goes before the attribute."""
+def _style(element: ElementTree.Element, name: str) -> str | None:
+    """A property of an element: by its style, which goes before the attribute but of transforms."""
     for part in element.get("style", "").split(";"):
-        name, _, value = part.partition(":")
-        if name.strip() == "display":
+        key, _, value = part.partition(":")
+        if key.strip() == name:
             return value.strip()
-    return element.get("display")
+    return None if name == "transform" else element.get(name)
 
 
 def _tag(element: ElementTree.Element) -> str:
@@ -104,13 +121,12 @@ def _numbers(text: str) -> list[float]:
 def _transform(text: str, where: str) -> np.ndarray:
     """The matrix (3, 3) of a transform attribute."""
     matrix = _EVEN
-    for name, inner in re.findall(r"(\w+)\s*\(([^)]*)\)", text):
-        numbers = _numbers(inner)
+    for name, inner, other in re.findall(r"(\w+)\s*\(([^)]*)\)|([^\s,])", text):
         try:
-            matrix = matrix @ _TRANSFORMS[name](*numbers)
-        except (KeyError, TypeError):
+            matrix = matrix @ _TRANSFORMS[name](*map(float, inner.replace(",", " ").split()))
+        except (KeyError, TypeError, ValueError):
             raise InputError(
-                f"{where}: transform {name}({inner}) is not known; export plain paths"
+                f"{where}: transform {other or f'{name}({inner})'} is not known; export plain paths"
             ) from None
     return matrix
 
@@ -225,7 +241,7 @@ def _commands(text: str, where: str) -> Iterator[tuple[str, np.ndarray]]:
             continue
         numbers = _flagged(inner) if kind == "A" else _numbers(inner)
         count = _COUNT[kind]
-        if not numbers or len(numbers) % count:
+        if not numbers or len(numbers) % count or re.search(r"[^\d\s.,eE+-]", inner):
             raise InputError(f"{where}: path command {command}{inner.strip()[:30]}: damaged")
         for k in range(0, len(numbers), count):
             if k and kind == "M":  # further pairs are lines

@@ -52,6 +52,7 @@ def packing_digest(case: SiloCase, seed: int) -> str:
             "seed": seed,
             **({} if fill.layer is None else {"layer": fill.layer}),
             **({"inserts": list(case.outline.inserts)} if case.outline.inserts else {}),
+            **({"outlets": list(case.outline.outlets)} if case.outline.outlets else {}),
         }
     )
 

@@ -55,6 +55,9 @@ def like_a4(path: Path, **options) -> bool:
     )
 
 
+SPLINE = "0\nSPLINE\n8\n{}\n"
+# 600 mm wide and 500 mm high, of a view box of 300 by 500: it keeps its form.
+STRETCHED = svg(svg_path(A4_DOWN), width="600mm").replace("<svg ", '<svg height="500mm" ')
 DRAWN_A4 = {
     "a path with its y down": ("a.svg", svg(svg_path(A4_DOWN))),
     "a polygon, clockwise": (
@@ -79,7 +82,17 @@ DRAWN_A4 = {
         if (RISE_ := A4[2][1])
         else "",
     ),
+    "in a document wider than its view box": ("a.svg", STRETCHED),
+    "by its height": ("a.svg", STRETCHED.replace('width="600mm"', "")),
+    "with words and a hidden part": (
+        "a.svg",
+        svg(f'<text>A4</text><g visibility="hidden"><rect width="9"/></g>{svg_path(A4_DOWN)}'),
+    ),
     "a closed polyline": ("a.dxf", dxf(dxf_polyline(A4))),
+    "a polyline next to a sheet's frame": (
+        "a.dxf",
+        dxf(dxf_polyline(A4) + dxf_polyline([(0, 0), (9, 0), (9, 9)]) + "67\n1\n"),
+    ),
     "lines in any order and direction": (
         "a.dxf",
         dxf(
@@ -105,9 +118,12 @@ def test_a_unit_that_is_given_goes_before_that_of_the_file(tmp_path):
 
 
 def test_a_layer_is_read_alone(tmp_path):
+    """What is not read on the others does not matter."""
     frame = dxf_polyline([(-50, -50), (400, -50), (400, 600), (-50, 600)], layer="frame")
-    path = written(tmp_path, "a.dxf", dxf(frame + dxf_polyline(A4, layer="inside")))
+    inside = dxf_polyline(A4, layer="inside")
+    path = written(tmp_path, "b.dxf", dxf(frame + inside + SPLINE.format("frame")))
     assert like_a4(path, layer="inside")
+    path = written(tmp_path, "a.dxf", dxf(frame + inside))
     assert_refuses(["2 closed curves", "layer"], silo_outline, path)
     assert_refuses(["no layer 'insid'", "did you mean 'inside'"], silo_outline, path, None, "insid")
 
@@ -204,10 +220,38 @@ REFUSED = {
     "XML that is no SVG": ("a.svg", "<html></html>", ["no SVG"]),
     "entities": ("a.svg", '<!DOCTYPE svg [<!ENTITY a "b">]><svg/>', ["entities"]),
     "an empty drawing": ("a.svg", svg(""), ["no curve"]),
-    "text only": ("a.svg", svg("<text>Silo</text>"), ["no curve", "1 text"]),
-    "splines only": ("a.dxf", dxf("0\nSPLINE\n8\n0\n"), ["no curve", "1 SPLINE", "polylines"]),
+    "text only": ("a.svg", svg("<text>Silo</text>"), ["no curve"]),
+    "a hopper of splines": (
+        "a.dxf",
+        dxf(dxf_line((0, 500), (0, 130)) + dxf_line((300, 500), (300, 130)) + 2 * SPLINE.format(0)),
+        ["2 SPLINE", "polylines"],
+    ),
+    "a block": ("a.dxf", dxf(dxf_polyline(A4) + "0\nINSERT\n8\n0\n2\nhopper\n"), ["1 INSERT"]),
+    "a copy": ("a.svg", svg(svg_path(A4_DOWN) + '<use href="#a"/>'), ["1 use", "paths"]),
+    "a drawing in a drawing": (
+        "a.svg",
+        svg(f'<svg viewBox="0 0 600 1000">{svg_path(A4_DOWN)}</svg>'),
+        ["1 svg"],
+    ),
     "a damaged DXF": ("a.dxf", dxf("0\nLINE\n10\nabc\n20\n0\n"), ["damaged DXF"]),
     "a damaged path": ("a.svg", svg('<path d="M 0 0 L 1"/>'), ["damaged"]),
+    "a path with a letter of none": (
+        "a.svg",
+        svg('<path d="M0,0 V400 x L75,500 H225 L300,400 V0 Z"/>'),
+        ["damaged"],
+    ),
+    "a turn in turns": ("a.svg", svg('<g transform="rotate(0.5turn)"/>'), ["rotate(0.5turn)"]),
+    "a transform without numbers": ("a.svg", svg('<g transform="scale"/>'), ["transform s"]),
+    "a transform of a style": (
+        "a.svg",
+        svg(f'<g style="transform: scale(2)">{svg_path(A4_DOWN)}</g>'),
+        ["transform within a style"],
+    ),
+    "a stretched view box": (
+        "a.svg",
+        STRETCHED.replace("<svg ", '<svg preserveAspectRatio="none" '),
+        ["stretch"],
+    ),
     "a transform nobody knows": ("a.svg", svg('<g transform="bend(3)"><path/></g>'), ["bend(3)"]),
     "three lines that meet": (
         "a.dxf",
@@ -237,15 +281,35 @@ def test_files_that_are_no_text_are_refused(tmp_path):
     assert_refuses(["cannot be read"], silo_outline, tmp_path / "none.svg")
 
 
-def test_a_drawn_square_keeps_its_corners(tmp_path):
-    """What is convex is not simplified; rounding takes r (sqrt 2 - 1) off each corner."""
+def test_a_drawn_square_keeps_its_corners_and_its_area(tmp_path):
+    """What is convex is not simplified; what rounding takes, (4 - pi) r^2, its sides give back.
+
+    Its arcs are (sqrt 2 - 1) r from the corners, less half the diagonal of what the sides grow by.
+    """
     text = svg('<rect x="10" y="10" width="12" height="12"/>', "100mm", "0 0 100 100")
     found = import_shapes(written(tmp_path, "square.svg", text), spheroradius=1e-3)
     (square,) = found.shapes
     assert len(square.corners) == 4
-    assert area_of(square.corners) == pytest.approx(144e-6, rel=1e-9)
-    assert square.error == pytest.approx(1e-3 * (math.sqrt(2) - 1), rel=1e-3)
-    assert square.area == pytest.approx(1 - (4 - math.pi) * 1e-6 / 144e-6, rel=1e-6)
+    whole = 144e-6 + (4 - math.pi) * 1e-6
+    assert area_of(square.corners) == pytest.approx(whole, rel=1e-9)
+    growth = math.sqrt(whole) - 12e-3
+    assert square.error == pytest.approx(
+        (math.sqrt(2) - 1) * 1e-3 - growth / math.sqrt(2), rel=1e-3
+    )
+    assert square.area == pytest.approx(1.0, rel=1e-9)
+
+
+def test_particles_of_one_kind_have_one_area_at_any_spheroradius(tmp_path):
+    """A square, turned, and one with a corner cut off by a tenth of a millimetre."""
+    text = svg(
+        '<rect width="10" height="10"/>'
+        '<rect x="30" width="10" height="10" transform="rotate(20 35 5)"/>'
+        '<polygon points="60,0 70,0 70,9.9 69.9,10 60,10"/>', "100mm", "0 0 100 100",
+    )  # fmt: skip
+    path = written(tmp_path, "squares.svg", text)
+    for r in (0.2e-3, 3e-3):
+        shapes = import_shapes(path, spheroradius=r).shapes
+        assert [one.area for one in shapes] == pytest.approx([1.0] * 3, rel=1e-9)
 
 
 def test_a_drawn_disc_is_within_the_tolerance_and_has_its_area(tmp_path):
@@ -253,7 +317,7 @@ def test_a_drawn_disc_is_within_the_tolerance_and_has_its_area(tmp_path):
     path = written(tmp_path, "disc.svg", text)
     for tolerance in (0.4e-3, 0.1e-3):
         (disc,) = import_shapes(path, tolerance=tolerance).shapes
-        assert disc.area == pytest.approx(1.0, abs=2e-3)  # what no corner was left out for stays
+        assert disc.area == pytest.approx(1.0, rel=1e-9)
         assert disc.error <= tolerance
         distance = np.hypot(*(disc.rounded - [0.05, -0.05]).T)
         assert np.abs(distance - 8e-3).max() <= tolerance + 2 * FLATNESS * 16e-3
@@ -296,6 +360,7 @@ def test_particles_of_a_photograph_have_their_areas(stones):
     assert ours == pytest.approx(exact, rel=6e-3)
     given = read_photograph(path, scale=1e-4)
     assert len(given.outlines) == 7, "without a bar that is known, the bar is an object"
+    assert len(read_photograph(path, scale=1e-4, bar=found.bar).outlines) == 6
 
 
 def test_photographed_polygons_get_their_corners_back(stones):
@@ -310,6 +375,7 @@ def test_photographed_polygons_get_their_corners_back(stones):
 PHOTOGRAPHS = {
     "no scale": ({}, ["no scale"]),
     "a bar without extent": ({"bar_length": 0.02, "bar": (5, 5, 5, 5)}, ["ends of the bar"]),
+    "two scales": ({"scale": 1e-4, "bar_length": 0.02}, ["leave one of them out"]),
     "a unit": ({"unit": "mm"}, ["a photograph has no unit"]),
     "a spheroradius that swallows particles": (
         {"scale": 1e-4, "spheroradius": 9e-3},

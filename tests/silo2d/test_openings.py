@@ -1,6 +1,7 @@
 """Inserts and further outlets: walls, weight borne, free fall through, and what is refused."""
 
 import math
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -24,6 +25,7 @@ from silo2d.measures.basics.particles import column_edges
 from silo2d.measures.basics.walls import sides
 from silo2d.measures.janssen import vertical_walls
 from silo2d.run.ending import blocked
+from silo2d.run.packing import packing_digest
 from silo2d.view.scene import Scene
 
 WEDGE = [[-40, 180], [40, 180], [0, 250]]
@@ -60,6 +62,40 @@ def test_what_is_outside_of_an_insert_is_on_the_left_of_its_sides():
         along = end - start
         left = (start + end) / 2 + 1e-6 * np.array([-along[1], along[0]]) / np.hypot(*along)
         assert flat([WEDGE]).inside.contains(Point(left))
+
+
+def test_inserts_and_outlets_stand_where_the_outline_was_drawn():
+    """A silo drawn 100 mm above or below y = 0 is that silo: all of it is moved to y = 0.
+
+    Rounding of y - 0.1 alone.
+    """
+    outline = [[-75, 0], [75, 0], [150, 130], [150, 500], [-150, 500], [-150, 130]]
+    window = [[150, 300], [150, 340]]
+
+    def silo(rise):
+        def up(points):
+            return [[x, y + rise] for x, y in points]
+
+        document = {"name": "drawn", "silo": {
+            "outline": up(outline), "inserts": [up(WEDGE)], "outlets": [up(window)]
+        }}  # fmt: skip
+        return SiloCase.resolve(document, "drawn", Path()).outline.walls()
+
+    for rise in (100, -600):
+        assert np.allclose(silo(rise).segments, silo(0).segments, rtol=0, atol=1e-12)
+
+
+def test_a_packing_is_not_that_of_a_silo_with_a_window():
+    """Its samples of forces at walls are by wall, and a window makes two walls of one."""
+    bare = SiloCase.load("A4")
+    digests = [
+        packing_digest(case, 1)
+        for case in (
+            bare, SiloCase.load("A4", {"silo.outlets": [SIDE]}),
+            SiloCase.load("A4", {"silo.outlets": [[[-150, 300], [-150, 360]]]}),
+        )
+    ]  # fmt: skip
+    assert len(set(digests)) == 3
 
 
 def world(outline, shape, pose):

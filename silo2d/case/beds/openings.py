@@ -13,7 +13,7 @@ from silo2d.case.shape import COINCIDENT, Points, simple_polygon, vertex_list
 def with_inserts(
     outline: Outline, given: list[list[list[float]]], unit: float, field: str
 ) -> Outline:
-    """A silo with inserts, corners in a unit [m], counter-clockwise; they are held in their place.
+    """A silo with inserts, corners in a unit [m] as its outline is drawn, counter-clockwise; held.
 
     Raises InputError, "FIELD insert K ...", for one that is no polygon, or not inside the silo and
     apart from its walls and from the other inserts.
@@ -25,7 +25,7 @@ def with_inserts(
     found: list[Points] = []
     for k, points in enumerate(given, start=1):
         where = f"{field}: insert {k}"
-        corners = simple_polygon(vertex_list(points, where) * unit, where)
+        corners = simple_polygon(vertex_list(points, where) * unit, where) - [0.0, outline.floor]
         corners.setflags(write=False)
         insert = Polygon(corners)
         if not silo.contains(insert):
@@ -44,14 +44,14 @@ def with_inserts(
 def with_outlets(
     outline: Outline, given: list[list[list[float]]], unit: float, field: str
 ) -> Outline:
-    """A silo with further outlets, the ends of each in a unit [m], on one of its walls.
+    """A silo with further outlets, ends in a unit [m] as its outline is drawn, each on one wall.
 
     Raises InputError, "FIELD outlet K ...", for one that is not on a single wall between its ends.
     """
     nothing = COINCIDENT * max(outline.width, outline.height)
     for k, points in enumerate(given, start=2):
         where = f"{field}: outlet {k}"
-        ends = vertex_list(points, where) * unit
+        ends = vertex_list(points, where) * unit - [0.0, outline.floor]
         if ends.shape != (2, 2) or math.hypot(*(ends[1] - ends[0])) <= nothing:
             raise InputError(f"{where}: expected both its ends, such as [[-150, 100], [-150, 160]]")
         bare = replace(outline, inserts=())
