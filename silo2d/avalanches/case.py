@@ -30,6 +30,7 @@ _REFUSED = (
     ("flow", "refill", _FREELY),
     ("flow", "vibration_amplitude", "a bed that is shaken never comes to rest, which a clog is"),
     ("silo", "outlets", "avalanches are those of one outlet"),
+    ("silo", "inserts", "an arch is looked for between the walls"),
 )
 
 

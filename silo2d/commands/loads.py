@@ -96,15 +96,16 @@ def _of_runs(
             raise click.UsageError("run folders are as they are; leave options of a case out")
         folders = [resume_run(path).path for one in given for path in runs_of(Path(one))]
     elif len(given) == 1:
-        folders = _computed(given[0], seeds, changes, out, quiet)
+        folders = _computed(given[0], seeds, changes, window, out, quiet)
     else:
         raise click.UsageError("give one CASE, or run folders that are there")
     return study(folders, silo, beside, window, rough_plates)
 
 
 def _computed(
-    case: str, seeds: int | None, changes: dict[str, Any], out: Path, quiet: bool
-) -> list[Path]:
+    case: str, seeds: int | None, changes: dict[str, Any], window: tuple[float, float] | None,
+    out: Path, quiet: bool,
+) -> list[Path]:  # fmt: skip
     """Run folders of a case, computed now or before."""
     from granulab.campaign.output.terminal import Progress, StopRequest
     from silo2d.case.case import SiloCase
@@ -117,7 +118,7 @@ def _computed(
     usual = {} if own.wall_interval is not None else _SAMPLED
     chosen = [{"run.seed": seed} for seed in range(1, (seeds or 0) + 1)] or [{}]
     cases = [SiloCase.load(case, {**usual, **changes, **one}) for one in chosen]
-    refuse_case(cases[0])
+    refuse_case(cases[0], window)
     with StopRequest() as stop, Progress(cases[0].name, quiet=quiet, estimates=False) as bar:
         return [
             Path(protocol.run(one, out=out, progress=bar.update, stop=lambda: stop.requested)

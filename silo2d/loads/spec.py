@@ -132,7 +132,7 @@ class Rules(Section):
         0.0, "largest eccentricity of the surface pile while filling", example="0 m"
     )
     outlet_eccentricity: Annotated[Length, Field(ge=0)] = key(
-        0.0, "eccentricity of the outlet's middle", example="0 m"
+        0.0, "eccentricity of the outlet's middle; with a CASE that of its own", example="0 m"
     )
     surface: Literal["heap", "level"] = key(
         "heap", "top of the solid: a heap at the angle of repose, or level"

@@ -81,7 +81,7 @@ def measure(folder: Path) -> dict[str, Any]:
                                  of a mean particle
     grains, line_m, walls        see Arch (grains: its particles)
 
-    Raises InputError where the run did not clog, or is not over.
+    Raises InputError where the run did not clog, or is not over, or its silo has inserts.
     """
     moment = last_clogged_moment(folder)
     arch = find_arch(moment)
@@ -118,6 +118,10 @@ def last_clogged_moment(folder: Path) -> Moment:
         raise InputError(
             f"{folder}: the run did not clog (outcome {outcome}), so there is no arch; "
             "give a run that clogged"
+        )
+    if any(name.startswith("insert") for name in moment.scene.wall_names):
+        raise InputError(
+            f"{folder}: the silo has inserts; an arch is looked for between its walls alone"
         )
     return moment
 

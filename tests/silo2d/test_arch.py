@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scenes
 from hand_built import GRAVITY, moment_of, scene_of, simulation_in, write_run
-from refusals import assert_refused
+from refusals import assert_refused, assert_refuses
 from small_silo import silo2d
 
 from granulab.errors import FolderError, InputError
@@ -68,6 +68,14 @@ def test_a_particle_that_rests_on_one_wall_is_no_arch(tmp_path):
     folder = settled(tmp_path, row(0.05)[:2])
     with pytest.raises(FolderError, match="no chain of load-bearing contacts"):
         arch.measure(folder)
+
+
+def test_a_silo_with_inserts_has_no_arch_between_its_walls(tmp_path, monkeypatch):
+    folder = settled(tmp_path, row(0.05))
+    (moment,) = read_moments(folder)
+    moment.scene.wall_names[0] = "insert 1 side 1"
+    monkeypatch.setattr(arch, "read_moments", lambda _: [moment])
+    assert_refuses(["inserts", "between its walls"], arch.measure, folder)
 
 
 def weighed(bodies, force, x, y):

@@ -406,11 +406,14 @@ def test_what_cannot_clog_is_refused_before_anything_is_computed(
     assert not list(tmp_path.iterdir())
 
 
-def test_a_silo_of_two_outlets_is_refused(tmp_path):
-    case = write_case(tmp_path, {"silo.outlets": [[[-40, 40], [-40, 60]]]})
-    assert_refused(silo2d("clog", case, "--outlets", "22 mm"), "[silo] outlets", "one outlet")
-
-
-def test_a_case_of_impulses_is_refused(tmp_path):
-    case = write_case(tmp_path, {"run.engine": "pymunk"})
-    assert_refused(silo2d("clog", case, "--outlets", "22 mm"), "engine = 'pymunk'", "dem")
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"silo.outlets": [[[-40, 40], [-40, 60]]]}, ["[silo] outlets", "one outlet"]),
+        ({"silo.inserts": [[[-5, 50], [5, 50], [0, 58]]]}, ["[silo] inserts", "between the walls"]),
+        ({"run.engine": "pymunk"}, ["engine = 'pymunk'", "dem"]),
+    ],
+)
+def test_a_silo_without_one_arch_between_its_walls_is_refused(tmp_path, changes, words):
+    case = write_case(tmp_path, changes)
+    assert_refused(silo2d("clog", case, "--outlets", "22 mm"), *words)

@@ -402,10 +402,19 @@ def test_report_and_picture_say_what_was_found(rng, tmp_path):
     assert path.stat().st_size > 20_000
 
 
-def test_runs_that_end_in_a_rathole_are_told(rng):
+@pytest.mark.parametrize(
+    ("outcome", "words"),
+    [
+        ("rathole", "in a rathole"),
+        ("stuck", "early, as no break"),
+        ("dead_zones", "early, at rest"),
+        ("time_limit", "early, as nothing came out"),
+    ],
+)
+def test_runs_that_end_before_their_avalanches_are_reported(rng, outcome, words):
     from silo2d.view.clogging.words import in_words
 
     rows = [made_row(0.05, seed, 20, rng) for seed in (1, 2)]
-    assert "rathole" not in in_words(study(rows, 0.15))
-    rows[1]["outcome"] = "rathole"
-    assert "1 of the runs at 50 mm ended in a rathole" in in_words(study(rows, 0.15))
+    assert "ended" not in in_words(study(rows, 0.15))
+    rows[1]["outcome"] = outcome
+    assert f"1 of the runs at 50 mm ended {words}" in in_words(study(rows, 0.15))

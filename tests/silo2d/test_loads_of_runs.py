@@ -1,5 +1,6 @@
 """Loads by runs: forces against the weight, samples at the walls, pascals, and the command."""
 
+import dataclasses
 import json
 import math
 import shutil
@@ -462,6 +463,7 @@ WRONG = [
     (["A4", "D4"], ["one CASE, or run folders"]),
     (["A4", "--engine", "pymunk"], ["--engine", "contacts of dem"]),
     (["A4", "--seeds", "2", "--seed", "3"], ["--seeds says this"]),
+    (["A4", "--between", "7 s,8 s"], ["--between 7", "6 s", "--max-time"]),
     (["nowhere"], ["no such preset"]),
     (["A4", "--solid", "wheet"], ["did you mean 'wheat'"]),
     (["A4", "--solid", "wheat", "--lateral-ratio", "0.95"], ["lateral_ratio = 0.95", "0.9009"]),
@@ -512,6 +514,7 @@ def test_case_without_loads_to_compare_is_refused_before_it_is_run(tmp_path):
         (funnel, ["vertical wall on each side"]),
         (funnel | {"silo.inserts": [bar]}, ["vertical wall on each side"]),
         ({"run.engine": "pymunk"}, ["dem"]),
+        ({"silo.outlets": [[[40, 40], [40, 60]]]}, ["[silo] outlets", "0.06 m", "observe RUN"]),
         *(
             (OUTLINED | {"silo.outline": corners, "fill.level": f"{fill} m"}, words)
             for corners, fill, words in NO_VESSEL
@@ -520,6 +523,25 @@ def test_case_without_loads_to_compare_is_refused_before_it_is_run(tmp_path):
         case = write_case(tmp_path, changes)
         assert_refused(silo2d("loads", case, "-o", tmp_path / "runs"), *words)
     assert not list((tmp_path / "runs").glob("*/case.toml"))
+
+
+def test_an_outlet_out_of_the_middle_is_as_eccentric_as_it_is(sampled, monkeypatch):
+    """EN 1991-4, 5.1: e_o is the distance of the outlet's middle from the axis, of the largest one;
+    a rule that is given goes before it."""
+    box = [[-60, 0], [60, 0], [60, 200], [-60, 200]]
+    silo = {"outline": box, "outlet": "40 mm", "outlet_centre": "30 mm"}
+    other = {"silo": silo | {"outlets": [[[-55, 0], [-15, 0]]]}, "fill": {"level": "150 mm"}}
+    load = SiloCase.load
+    monkeypatch.setattr(
+        study.SiloCase, "load",
+        lambda path: dataclasses.replace(
+            load(path), outline=SiloCase.resolve({"name": "box", **other}, "box", Path()).outline
+        ),
+    )  # fmt: skip
+    for changes, expected in (({}, 0.035), ({"rules.outlet_eccentricity": "10 mm"}, 0.010)):
+        given = {"solid.internal_friction": "30 deg"} | changes
+        found = study.study([sampled], None, given)["closed_forms"]
+        assert found["rules"]["outlet_eccentricity"] == pytest.approx(expected, abs=1e-9)
 
 
 def test_case_with_a_silo_in_the_file_of_its_solid_is_refused(tmp_path):

@@ -23,6 +23,15 @@ WEIGHT = scenes.SURFACE_DENSITY * BLOCK.area * GRAVITY
 N = 8  # blocks of a column
 
 
+def test_what_touches_nothing_has_no_contact_stress():
+    """Fields of no contacts are zero all over, of the grid's form."""
+    grid = grid_round(np.zeros(2), np.full(2, 0.1), 5e-3)
+    none = np.zeros((0, 2))
+    found = grid.deposit(none, np.zeros((0, 2, 2)))
+    assert found.shape == (2, 2, len(grid.y), len(grid.x))
+    assert not found.any()
+
+
 def column(width: float, law, half_gap: float = 0.0, steps: int = 30000):
     """Blocks one upon the other on a door, settled; in a gap of a width [m]."""
     silo = hopper(0.0, width, width, 0.12, "column")

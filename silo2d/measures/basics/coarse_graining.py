@@ -53,7 +53,8 @@ class Grid:
         along_x = _gauss(self.x[:, None] - points[:, 0], self.width)
         along_y = _gauss(self.y[:, None] - points[:, 1], self.width)
         flat = weights.reshape(len(points), int(np.prod(weights.shape[1:])))
-        weighted = (flat.T[:, None] * along_y).reshape(-1, len(points))
+        weighted = flat.T[:, None] * along_y
+        weighted = weighted.reshape(len(flat.T) * len(self.y), len(points))  # also of no points
         return (weighted @ along_x.T).reshape(*weights.shape[1:], len(self.y), len(self.x))
 
 

@@ -3,6 +3,7 @@
 import dataclasses
 import itertools
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -155,7 +156,9 @@ def _at(one: AtOutlet, n: int | None, rest_time: float, start: float) -> dict[st
         "mean_avalanche": mean.value,
         "mean_avalanche_interval": [mean.low, mean.high],
         "runs_alike": scatter(one.runs)[1],
-        "ratholes": sum(row["outcome"] == "rathole" for row in one.rows),
+        "ended_early": dict(
+            Counter(row["outcome"] for row in one.rows if row["outcome"] != "whole")
+        ),
         "clogs_before_empty": 1 - value,
         "clogs_before_empty_interval": [1 - high, 1 - low],
         "form": _dict(form(sizes, cut)),

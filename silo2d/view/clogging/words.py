@@ -18,6 +18,13 @@ r: rank correlation of successive sizes. arch: particles, mean and most.
 alpha: of the waiting times' density t^-alpha, from one time on at all outlets up to that which
   counts as a clog."""
 _NAMES = {"A": "A", "C": "C", "critical": "critical D/d", "g": "g"}
+_ENDS = {
+    "rathole": "in a rathole: their beds stood around a channel, through which what is put on top "
+    "falls",
+    "stuck": "early, as no break of many in a row let anything out",
+    "dead_zones": "early, at rest with nothing over the outlet",
+    "time_limit": "early, as nothing came out and nothing lay still",
+}
 _FORMS = {"exponential": "A exp(C (D/d)^2)", "power": "A (1 - D/D_c)^-g"}
 
 
@@ -48,7 +55,7 @@ def in_words(found: Mapping[str, Any]) -> str:
             for one in outlets
         ],
     )  # fmt: skip
-    said = [*_laws(found), *_together(found), *_ratholes(found)]
+    said = [*_laws(found), *_together(found), *_early(found)]
     return paragraphs(first, second, _threshold(found), "\n".join(said), _NOTES)
 
 
@@ -155,11 +162,10 @@ def _together(found: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _ratholes(found: Mapping[str, Any]) -> list[str]:
-    """Outlets at which runs ended before their time."""
+def _early(found: Mapping[str, Any]) -> list[str]:
+    """Outlets at which runs ended before their avalanches were all there, and why."""
     return [
-        f"{one['ratholes']} of the runs at {1e3 * one['outlet_m']:g} mm ended in a rathole: their "
-        "beds stood around a channel, through which what is put on top falls"
+        f"{number} of the runs at {1e3 * one['outlet_m']:g} mm ended {_ENDS[outcome]}"
         for one in found["outlets"]
-        if one["ratholes"]
+        for outcome, number in one["ended_early"].items()
     ]

@@ -12,6 +12,7 @@ import numpy as np
 from granulab.contact.files.units import located
 from granulab.errors import FolderError, InputError
 from silo2d.case.case import SiloCase
+from silo2d.case.outline import Outline
 from silo2d.loads.assess import Loads, closed_forms
 from silo2d.loads.design import Design, design_of, load_beside
 from silo2d.loads.janssen import Floats
@@ -45,16 +46,24 @@ def runs_of(path: Path) -> list[Path]:
     return list(dict.fromkeys(found))
 
 
-def refuse_case(case: SiloCase) -> None:
-    """Raise InputError for a case whose runs would have no loads to compare, before it is run."""
+def refuse_case(case: SiloCase, between: Between = None) -> None:
+    """Raise InputError for a case whose runs would have no loads to compare, before it is run.
+
+    between: window of the flow [s], which must begin before the run ends.
+    """
+    longest = case.settings.run.max_time
+    if between is not None and not between[0] < longest:
+        raise InputError(
+            f"--between {between[0]:g}: the run ends at {longest:g} s at the latest; begin before, "
+            "or give a longer --max-time"
+        )
     if case.impulses:
         raise InputError(f"{case.name}: [run] engine = 'pymunk': loads need the contacts of dem")
-    walls, centre = case.outline.walls(), case.outline.outlet_centre
-    side, level = sides_of(walls.segments, walls.names, centre), case.settings.fill.level
+    walls, level = case.outline.walls(), case.settings.fill.level
     with located(f"{case.name}:"):
-        upright = walls.segments[topmost_vertical(walls.segments, side)]
-        _refuse_below(_foot(upright), level, level)
+        upright = _upright(case.outline)
         _half_angle(walls.segments[: walls.doors[0]], upright)
+        _refuse_below(_foot(upright), level, level)
 
 
 def study(
@@ -66,9 +75,11 @@ def study(
     spec: file with [solid] and [rules], or None; changes: keys of it; between: window of the flow
     [s]. Raises InputError where the runs are of unlike silos, or have no vertical walls.
     """
-    beside = load_beside(spec, changes, _LEVEL)
     cases = [SiloCase.load(folder / "case.toml") for folder in folders]
     _refuse_unlike(folders, cases)
+    refuse_case(cases[0])
+    eccentric = {"rules.outlet_eccentricity": f"{_eccentricity(cases[0].outline):.9f} m"}
+    beside = load_beside(spec, changes, _LEVEL | eccentric)
     moments = read_moments(folders[0])
     scene, own = moments[0].scene, column(moments[:1])
     foot = _foot(scene.walls[vertical_walls(scene)])
@@ -101,6 +112,20 @@ def study(
         "compared": compared(design, each, own.fill[0], foot),
         "flow": _flow_pattern(design, dem),
     }
+
+
+def _upright(outline: Outline) -> Floats:
+    """The vertical walls (2, 2, 2) [m] of a silo, left and right; InputError where it has none."""
+    walls = outline.walls()
+    side = sides_of(walls.segments, walls.names, outline.outlet_centre)
+    return walls.segments[topmost_vertical(walls.segments, side)]
+
+
+def _eccentricity(outline: Outline) -> float:
+    """Distance of an outlet's middle from that between the vertical walls [m], the largest."""
+    middle = float(_upright(outline)[:, 0, 0].mean())
+    others = [float(ends[:, 0].mean()) for ends in outline.outlets]
+    return max(abs(x - middle) for x in (outline.outlet_centre, *others))
 
 
 def _refuse_unlike(folders: Sequence[Path], cases: Sequence[SiloCase]) -> None:
@@ -174,15 +199,23 @@ def _foot(upright: Floats) -> float:
 
 
 def _half_angle(walls: Floats, upright: Floats) -> float | None:
-    """Half angle [rad] of the walls that go on below the vertical ones; None of a floor."""
+    """Half angle [rad] of the walls that go on below the vertical ones; None of a floor.
+
+    Raises InputError where they end over a window, or their sides converge at unlike angles.
+    """
     angles = []
     for wall in upright:
-        foot = min(wall, key=lambda end: end[1])
+        foot, before = min(wall, key=lambda end: end[1]), len(angles)
         for other in walls:
             ends = np.abs(other - foot).max(axis=1) < 1e-9
             run, rise = np.abs(other[1] - other[0])
             if ends.any() and run > 1e-9:
                 angles.append(math.atan2(run, rise))
+        if len(angles) == before and foot[1] > 0:  # at 0 it ends at a lip of the outlet
+            raise InputError(
+                f"[silo] outlets: an outlet in a vertical wall, below {foot[1]:.4g} m, which the "
+                "closed forms do not know; silo2d observe RUN loads gives the runs' part alone"
+            )
     if not angles:
         return None
     if max(angles) - min(angles) > math.radians(0.1):
