@@ -125,15 +125,15 @@ class SiloCase:
             is_shipped(shapes_file, "shapes") and not any(derived), disorder is not None, where,
         )  # fmt: skip
         rain = rain_of(outline, shapes, surface_density, settings.fill)
+        acting = curved or with_cohesion(laws, settings, material.length.value)
         if settings.run.engine == "dem":
-            check_softness(laws, rain, settings.fill.level, shapes, where)
+            check_softness(acting, rain, settings.fill.level, shapes, where)
         pour_laws = filling_laws(pairs, filling_friction(settings, laws, where), rain)
         pour_time_step = filling_time_step(shapes, surface_density, pour_laws)
         check_steps(settings, time_step, pour_time_step, where)
         check_flow(settings, shapes, time_step, where)
         files = {"shapes.toml": shapes_file, "materials.toml": table_file}
         files |= files_beside(shapes_file) | curve_file(settings, folder)
-        acting = curved or with_cohesion(laws, settings, material.length.value)
         return cls(
             settings, outline, shapes, surface_density, *acting, disorder, time_step, reason,
             pour_laws, pour_time_step,
@@ -172,8 +172,11 @@ class SiloCase:
         for name in PRESETS:
             known = preset(name)
             same = [t for t in rotations if t.shape == known.polygon.shape]
-            if math.isclose(known.outlet, own.outlet) and any(
-                np.allclose(polygon, known.polygon, rtol=0, atol=1e-9) for polygon in same
+            moved = abs(known.outlet_centre - own.outlet_centre) > 1e-9
+            if (
+                math.isclose(known.outlet, own.outlet)
+                and not moved
+                and any(np.allclose(polygon, known.polygon, rtol=0, atol=1e-9) for polygon in same)
             ):
                 return name
         return None
@@ -190,14 +193,15 @@ class SiloCase:
     def published_name(self) -> str | None:
         """The paper's silo whose printed times this case may be compared with, or None.
 
-        Outline and fill level are the paper's; particles and law may differ, as in its own study
-        of sensitivity.
+        Outline and fill level are the paper's, and nothing acts after the opening; particles and
+        law may differ, as in its own study of sensitivity.
         """
-        usual = math.isclose(self.settings.fill.level, Fill().level)
+        own = self.settings
+        usual = math.isclose(own.fill.level, Fill().level) and own.flow == Flow()
         return self.silo_name if usual else None
 
     def _acts_as(self, other: "SiloCase") -> bool:
-        """True where particles, laws, filling and door are those of another case."""
+        """True where particles, laws, filling, plates and door are those of another case."""
         mine, theirs = (
             (
                 case.particle_law,
@@ -205,6 +209,7 @@ class SiloCase:
                 case.disorder,
                 [case.settings.disorder.per, case.settings.run.door_speed],
                 [case.settings.fill.friction, case.settings.fill.layer],
+                [case.settings.law.mu_plates, case.settings.law.plates_ratio],
                 case.surface_density,
                 [s.area for s in case.shapes.shapes],
             )
@@ -383,6 +388,10 @@ def _opened(outline: Outline, settings: Settings, where: str) -> Outline:
                 f"{where}: [run] door_speed: further outlets open at once; leave it out, or outlets"
             )
         outline = with_outlets(outline, silo.outlets, unit, f"{field} outlets")
+        if settings.run.engine == "pymunk" and any(ends[:, 1].any() for ends in outline.outlets):
+            raise InputError(
+                f"{field} outlets: one in the side goes with engine = 'dem'; leave one of them out"
+            )
     if silo.inserts:
         outline = with_inserts(outline, silo.inserts, unit, f"{field} inserts")
     return outline

@@ -7,6 +7,8 @@ from granulab.errors import InputError
 from silo2d.case.filling import GRAVITY, Rain
 from silo2d.case.settings import Settings
 from silo2d.case.shape import ShapeSet
+from silo2d.engine.beds.laws import CohesiveLaw, CurveLaw, curve_energy, elastic_force
+from silo2d.engine.pair_law import Law
 
 _DIAMOND = 1.2e12  # [Pa] Young's modulus of the stiffest material
 _OVERDAMPED = 10.0  # damping ratio of one contact; at 1 nothing bounces any more
@@ -47,19 +49,32 @@ def check_contacts(
 
 
 def check_softness(
-    laws: tuple[LinearLaw, LinearLaw], rain: Rain, level: float, shapes: ShapeSet, where: str
+    laws: tuple[Law, Law], rain: Rain, level: float, shapes: ShapeSet, where: str
 ) -> None:
     """Raise InputError for contacts that the silo would press too deep into each other.
 
     A particle that falls from the level [m] on one contact may overlap by the spheroradius (few
     fall so far, most land on more contacts; the engine takes half of it), and the column of
     material above one particle may press a tenth of it. Silos up to 1.2 and 0.15 of it ran, those
-    beyond 1.8 and 0.18 failed within 20 ms.
+    beyond 1.8 and 0.18 failed within 20 ms. So may cohesion alone, which acts from the opening on.
     """
-    softest = min(law.kn for law in laws)
-    landing = 2 * rain.mass * GRAVITY * level / rain.spheroradius**2
+    energy = rain.mass * GRAVITY * level
     column = rain.mean_mass / shapes.mean_area * GRAVITY * level * 2 * shapes.bounding_radius
-    needed = max(landing / _DEEPEST_FALL**2, column / (_DEEPEST_REST * rain.spheroradius))
+    resting = _DEEPEST_REST * rain.spheroradius
+    for law in laws:
+        if isinstance(law, CurveLaw):
+            _check_curve(law, energy, column, rain.spheroradius, where)
+        if isinstance(law, CohesiveLaw) and law.pull > resting * law.kn:
+            raise InputError(
+                f"{where}: [law] cohesion pulls particles {1e3 * law.pull / law.kn:.3g} mm into "
+                f"each other; at most a tenth of the spheroradius, {1e3 * resting:.3g} mm: give "
+                "less, or a larger kn"
+            )
+    if isinstance(laws[0], CurveLaw):
+        return
+    softest = min(law.kn for law in laws)
+    landing = 2 * energy / (_DEEPEST_FALL * rain.spheroradius) ** 2
+    needed = max(landing, column / resting)
     if softest < needed:
         digit = 10.0 ** (math.floor(math.log10(needed)) - 1)
         enough = 1e-3 * math.ceil(needed / digit) * digit
@@ -68,6 +83,21 @@ def check_softness(
             f"other; give [law] kn of at least {enough:g} N/mm (and keep_ratios), a larger "
             "spheroradius or a lower [fill] level"
         )
+
+
+def _check_curve(law: CurveLaw, energy: float, column: float, r: float, where: str) -> None:
+    """Raise InputError for a curve that gives way too far; energy [J] of a fall, column [N]."""
+    for what, unit, deep, takes, needed in (
+        ("energy", "J", _DEEPEST_FALL * r, curve_energy, energy),
+        ("force", "N", _DEEPEST_REST * r, elastic_force, column),
+    ):
+        if not takes(law, deep) >= needed:
+            raise InputError(
+                f"{where}: [law] kn_curve: too soft, particles would pass through each other: "
+                f"{what} of {takes(law, deep):.3g} {unit} at an overlap of {1e3 * deep:.3g} mm, "
+                f"where {needed:.3g} {unit} come; give a steeper one, a larger spheroradius or a "
+                "lower [fill] level"
+            )
 
 
 def check_steps(settings: Settings, time_step: float, filling: float, where: str) -> None:

@@ -135,8 +135,9 @@ def _look(
 
 
 def motion(sim: Simulation, case: SiloCase) -> float:
-    """Normalised kinetic energy; nothing is at rest while the door moves, however slow."""
-    return math.inf if sim.door_moves else normalised_kinetic_energy(sim, case.shapes)
+    """Normalised kinetic energy; nothing is at rest while door or walls move, however slow."""
+    moves = sim.door_moves or case.settings.flow.vibration_amplitude is not None
+    return math.inf if moves else normalised_kinetic_energy(sim, case.shapes)
 
 
 def _energy(table: dict[str, float]) -> float:

@@ -1,6 +1,7 @@
 """A gate that closes, a feeder, refilling, plates and vibration of whole runs; what is refused."""
 
 import random
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -99,6 +100,7 @@ def test_acts_gone_on_with_end_with_the_same_bits(tmp_path):
         ({"flow.gate_times": ["0.3 mm"]}, ["gate_times = '0.3 mm'", "unit"]),
         ({"flow.feed_rate": "5 1/s"}, ["feed_rate = 5 1/s", "at rest", "13.3"]),
         ({"flow.feed_rate": "0 1/s"}, ["feed_rate", "greater than 0"]),
+        ({"flow.feed_rate": "3e5 1/s"}, ["feed_rate = 300000 1/s", "a time step", "at most 2e+05"]),
         (
             {"flow.feed_rate": "50 1/s", "flow.gate_times": ["1 s"]},
             ["feed_rate", "does not go with [flow] gate_times"],
@@ -126,6 +128,40 @@ def test_acts_gone_on_with_end_with_the_same_bits(tmp_path):
 )
 def test_an_act_that_cannot_be(changes, words):
     assert_refuses(["A4", *words], SiloCase.load, "A4", changes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "published"),
+    [
+        ({"flow.refill": 50}, None),
+        ({"flow.gate_times": ["0.3 s"]}, None),
+        ({"flow.vibration_amplitude": "1 mm", "flow.vibration_frequency": "5 Hz"}, None),
+        ({"law.mu_plates": 0.4, "law.plates_ratio": 0.5}, "A4"),
+    ],
+)
+def test_a_silo_with_what_the_paper_has_not_bears_another_name(changes, published):
+    """Times of a discharge with a gate, a store or vibration are none to compare with."""
+    case = SiloCase.load("A4", changes)
+    assert (case.label, case.published_name) == ("A4 (changed)", published)
+
+
+def test_a_silo_whose_outlet_is_out_of_the_middle_is_not_the_papers():
+    flat = SiloCase.load("D1").outline.polygon * 1e3
+    silo = {"outline": flat.tolist(), "outlet": "40 mm"}
+    names = [
+        SiloCase.resolve({"name": "x", "silo": silo | more}, "x", Path()).silo_name
+        for more in ({}, {"outlet_centre": "20 mm"})
+    ]
+    assert names == ["D1", None]
+
+
+def test_nothing_is_at_rest_while_its_walls_vibrate(tmp_path):
+    """However weak: the run ends at its time, and whether it clogged is not known."""
+    result, _ = result_of(
+        tmp_path, flow__vibration_amplitude="0.1 um", flow__vibration_frequency="20 Hz",
+        run__rest_time="20 ms", run__max_time="0.6 s", law__mu_particle=1.0,
+    )  # fmt: skip
+    assert (result.outcome, result.clogged) == ("time_limit", None)
 
 
 def test_the_echo_names_what_acts_besides(tmp_path):

@@ -21,7 +21,7 @@ from scenes import (
 from granulab.contact.laws import normal_energy, normal_force, slip_limit
 from silo2d.case.case import SiloCase
 from silo2d.case.shape import disc
-from silo2d.engine.beds.laws import CohesiveLaw, CurveLaw
+from silo2d.engine.beds.laws import CohesiveLaw, CurveLaw, elastic_force
 
 R, PULL, LENGTH = 5e-3, 3.0, 0.12
 BASE = ELASTIC._replace(kn=1e6, kt=1e6)
@@ -153,9 +153,22 @@ def test_cohesion_acts_over_the_length_of_the_prisms():
     assert case.label == "A4 (changed)"
 
 
+def test_a_curve_keeps_its_foot(tmp_path):
+    """Points a thousandth of the last and nearer: their forces within a hundredth."""
+    foot = [(1e-6, 1.0), (2e-6, 4.0), (5e-6, 25.0), (1e-3, 2e4)]
+    rows = "".join(f"{d} m,{f} N\n" for d, f in foot)
+    (tmp_path / "curve.csv").write_text(f"overlap,force\n{rows}")
+    law = SiloCase.load("A4", {"law.kn_curve": str(tmp_path / "curve.csv")}).wall_law
+    for overlap, force in foot:
+        assert elastic_force(law, overlap) == pytest.approx(force, rel=0.01)
+
+
 @pytest.mark.parametrize(
     ("rows", "words"),
     [
+        ("1e-4 mm,50 N\n10 mm,1e9 N\n", ["overlap = 0.0001 mm", "10 mm", "end the curve before"]),
+        ("0.01 mm,5e-3 N\n0.02 mm,0.01 N\n", ["kn_curve: too soft", "J at an overlap of 1 mm"]),
+        ("0.5 mm,10 N\n1 mm,1e3 N\n", ["kn_curve: too soft", "N at an overlap of 0.1 mm"]),
         ("0.02 mm,50 N\n0.01 mm,60 N\n", ["must rise"]),
         ("0.01 mm,50 N\n", ["two at least"]),
         ("0.01 mm,50\n0.02 mm,90\n", ["force = '50'", "unit is missing"]),
@@ -170,9 +183,16 @@ def test_a_curve_that_cannot_be(rows, words, tmp_path):
     assert_refuses(words, SiloCase.load, "A4", changes)
 
 
+def test_a_table_without_a_header_is_not_read_without_its_first_row(tmp_path):
+    (tmp_path / "curve.csv").write_text("0.01 mm,50 N\n0.02 mm,150 N\n0.03 mm,260 N\n")
+    changes = {"law.kn_curve": str(tmp_path / "curve.csv")}
+    assert_refuses(["a line 'overlap,force' first"], SiloCase.load, "A4", changes)
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
+        ({"law.cohesion": "1e5 N/m"}, ["cohesion pulls particles", "a tenth of the spheroradius"]),
         ({"law.cohesion": "5 N"}, ["[law] cohesion = '5 N'", "unit is wrong"]),
         ({"law.cohesion": "-5 N/m"}, ["[law] cohesion", "greater than 0"]),
         ({"law.cohesion": "5 N/m", "disorder.per": "pair"}, ["linear law", "[law] cohesion"]),

@@ -259,14 +259,18 @@ def test_other_corners_leave_the_faces_where_they_are(radius):
 
 
 @pytest.mark.parametrize("radius", [0.2e-3, 1e-3])
-def test_the_spheroradius_of_a_sieve_is_that_of_its_mean_mass(radius, tmp_path):
+@pytest.mark.parametrize(
+    "form",
+    [{"form": "hexagon"}, {"form": "triangle"}, {"form": "rectangle", "size": ["9 mm", "6 mm"]}],
+)
+def test_the_spheroradius_of_a_sieve_is_that_of_its_mean_mass(form, radius, tmp_path):
     """Scaled copies: each as round for its width, and as given at the root of the mean square.
 
     Twelve classes keep number and mass, so that mean to rounding.
     """
     found = shapes(
         tmp_path,
-        entry(form="hexagon", size_distribution="sieve", sieve=[["6 mm", 0.0], ["12 mm", 1.0]]),
+        entry(**form, size_distribution="sieve", sieve=[["6 mm", 0.0], ["12 mm", 1.0]]),
         head=f'spheroradius = "{1e3 * radius:g} mm"',
     )
     width = np.array([shape.width for shape in found.shapes])

@@ -187,6 +187,13 @@ def test_an_opening_that_cannot_be(changes, words):
     assert_refuses(["A4: [silo]", *words], SiloCase.load, "A4", changes)
 
 
+def test_impulses_know_no_window():
+    """What falls out of one would count as lost; of a further outlet in the floor it is out."""
+    changes = {"silo.outlets": [SIDE], "run.engine": "pymunk"}
+    assert_refuses(["[silo] outlets", "in the side", "dem"], SiloCase.load, "A4", changes)
+    assert SiloCase.load("D1", changes | {"silo.outlets": [FLOOR]}).impulses
+
+
 def test_a_door_that_is_drawn_has_no_further_outlets():
     changes = {"silo.outlets": [SIDE], "run.door_speed": "0.5 m/s"}
     assert_refuses(["[run] door_speed", "leave it out"], SiloCase.load, "A4", changes)

@@ -97,6 +97,14 @@ def csv_rows(path: Path, what: str) -> list[tuple[int, list[str]]]:
     return numbered(csv_lines(path, what))
 
 
+def below_header(path: Path, what: str, header: str) -> list[list[str]]:
+    """Cells of each line of a CSV table below its header; InputError where it has none."""
+    rows = [[cell.strip() for cell in row] for _, row in csv_rows(path, what)]
+    if rows and rows[0][0][:1] in tuple("0123456789.+-"):
+        raise InputError(f"{path}: expected a line {header!r} first, above the numbers")
+    return rows[1:]
+
+
 def numbered(lines: list[str]) -> list[tuple[int, list[str]]]:
     """Line number and cells of each line, but empty ones and remarks after a #."""
     rows = enumerate(csv.reader(lines), 1)

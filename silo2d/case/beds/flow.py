@@ -40,6 +40,11 @@ def check_flow(settings: Settings, shapes: ShapeSet, time_step: float, where: st
             f"{where}: [flow] feed_rate = {flow.feed_rate:g} 1/s: the silo would count as at rest "
             f"between two particles; more than {2 / run.rest_time:.3g} 1/s, or a longer rest_time"
         )
+    if flow.feed_rate is not None and flow.feed_rate * time_step > 1:
+        raise InputError(
+            f"{where}: [flow] feed_rate = {flow.feed_rate:g} 1/s: more than a particle a time step "
+            f"of {time_step:.3g} s; at most {1 / time_step:.3g} 1/s"
+        )
     if flow.vibration_amplitude is not None and flow.vibration_frequency is not None:
         _check_vibration(flow.vibration_amplitude, flow.vibration_frequency, shapes, where)
         if flow.vibration_frequency * time_step * _FEWEST_STEPS > 1:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from granulab.contact.files.casefile import of_a_size
-from granulab.contact.files.datafile import csv_rows, is_file
+from granulab.contact.files.datafile import below_header, is_file
 from granulab.contact.files.sizes import Sizes, sieved, spread
 from granulab.contact.files.units import located, nearest, to_si
 from granulab.errors import InputError
@@ -65,19 +65,10 @@ def _distributed(
     if distribution == "sieve":
         if deviation is not None:
             raise InputError(f"{where} size_deviation: the sieve gives the sizes; leave it out")
-        if _form(entry, where) != "rectangle":  # whose size says how long it is for its width
-            if "size" in entry:
-                raise InputError(f"{where} size: the sieve gives the sizes; leave it out")
-            sizes = _of_sieve(entry.get("sieve"), file.parent, where)
-            # The spheroradius is that of the size whose mass is the mean, as of other distributions
-            # that of their mean; a form's width goes with its size.
-            tried = 20 * (spheroradius or 1e-3)
-            like = _formed({**entry, "size": f"{tried} m"}, where, 1.0, spheroradius, file)
-            size = tried * math.sqrt(float(np.mean(sizes(_PARTS) ** 2))) / like.width
-            entry = {**entry, "size": f"{size} m"}
-            return entry, _formed(entry, where, 1.0, spheroradius, file).width, sizes
-        like = _formed(entry, str(entry["name"]), 1.0, spheroradius, file)
-        return entry, like.width, _of_sieve(entry.get("sieve"), file.parent, where)
+        if _form(entry, where) != "rectangle" and "size" in entry:
+            raise InputError(f"{where} size: the sieve gives the sizes; leave it out")
+        sizes = _of_sieve(entry.get("sieve"), file.parent, where)
+        return *_of_mean_width(entry, sizes, spheroradius, file, where), sizes
     if "sieve" in entry:
         raise InputError(f"{where} sieve: goes with size_distribution = 'sieve'; leave it out")
     if deviation is None:
@@ -87,6 +78,31 @@ def _distributed(
         raise InputError(f"{where} size_deviation = {deviation!r}: must be above 0")
     with located(where):
         return entry, mean, spread(distribution, mean, width)
+
+
+def _of_mean_width(
+    entry: Mapping[str, Any], sizes: Sizes, spheroradius: float | None, file: Path, where: str
+) -> tuple[Mapping[str, Any], float]:
+    """An entry with the size that is as wide [m] as that whose mass is the mean of a sieve's.
+
+    The spheroradius is of that size, as of other distributions that of their mean. A width grows
+    linearly with the size: rounding takes the same off the corners. A rectangle says by its size
+    how long it is for its width; it passes a sieve by its shorter side.
+    """
+    if _form(entry, where) == "rectangle":
+        tried = _sizes(entry, where)
+        tried = [one * 20 * (spheroradius or 1e-3) / min(tried) for one in tried]
+    else:
+        tried = [20 * (spheroradius or 1e-3)]
+
+    def scaled(factor: float) -> tuple[Mapping[str, Any], float]:
+        texts = [f"{factor * one} m" for one in tried]
+        changed = {**entry, "size": texts if len(texts) > 1 else texts[0]}
+        return changed, _formed(changed, where, 1.0, spheroradius, file).width
+
+    once, twice = (scaled(factor)[1] for factor in (1.0, 2.0))
+    mean = math.sqrt(float(np.mean(sizes(_PARTS) ** 2)))
+    return scaled(1.0 + (mean - once) / (twice - once))
 
 
 def classes(sizes: Sizes) -> tuple[np.ndarray, np.ndarray]:
@@ -192,9 +208,9 @@ def _read(path: Path, where: str) -> list[list[Any]]:
     """Rows of a CSV file: opening with its unit, share of the mass that passes; one header line."""
     if not is_file(path):
         raise InputError(f"{where} sieve = {path.name!r}: no such file in {path.parent or '.'}")
-    rows = [[cell.strip() for cell in row] for _, row in csv_rows(path, "the sieves")]
+    rows = below_header(path, "the sieves", "opening,passing")
     try:
-        return [[opening, float(share)] for opening, share in rows[1:]]
+        return [[opening, float(share)] for opening, share in rows]
     except ValueError:
         raise InputError(
             f"{path}: expected a line 'opening,passing' and rows such as '2 mm,0.15'"

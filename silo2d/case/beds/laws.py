@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from granulab.contact.files.datafile import csv_rows, is_file
+from granulab.contact.files.datafile import below_header, is_file
 from granulab.contact.files.units import to_si
 from granulab.contact.laws import LinearLaw
 from granulab.errors import InputError
@@ -12,7 +12,8 @@ from silo2d.case.settings import Settings
 from silo2d.engine.beds.laws import CohesiveLaw, CurveLaw
 from silo2d.engine.pair_law import Law
 
-_POINTS = 1024  # of even distance that stand for a curve
+# Points of even distance that stand for a curve: as many as keep its own within a hundredth.
+_POINTS, _MOST_POINTS, _WITHIN = 1024, 2**16, 0.01
 Laws = tuple[LinearLaw, LinearLaw]
 
 
@@ -39,16 +40,33 @@ def with_curve(laws: Laws, settings: Settings, folder: Path, where: str) -> tupl
             raise InputError(
                 f"{where}: [law] kn_curve does not go with {key}; leave one of them out"
             )
-    overlap, force = read_curve(folder / law.kn_curve, f"{where}: [law] kn_curve")
-    return _curved(laws[0], overlap, force), _curved(laws[1], overlap, force)
-
-
-def _curved(law: LinearLaw, overlap: np.ndarray, force: np.ndarray) -> CurveLaw:
-    spacing = float(overlap[-1]) / (_POINTS - 1)
-    even = np.interp(spacing * np.arange(_POINTS), overlap, force)
+    path = folder / law.kn_curve
+    overlap, force = read_curve(path, f"{where}: [law] kn_curve")
+    spacing, even = _even(overlap, force, path)
     energy = np.append(0.0, np.cumsum(0.5 * spacing * (even[1:] + even[:-1])))
-    steepest = float((np.diff(force) / np.diff(overlap)).max())
-    return CurveLaw(*law._replace(kn=steepest), spacing, even, energy)
+    kn = float((np.diff(force) / np.diff(overlap)).max())
+    first, second = (CurveLaw(*one._replace(kn=kn), spacing, even, energy) for one in laws)
+    return first, second
+
+
+def _even(overlap: np.ndarray, force: np.ndarray, path: Path) -> tuple[float, np.ndarray]:
+    """Distance [m] and forces (n,) [N] of even points that stand for a curve from 0 on."""
+    n = _POINTS
+    while True:
+        spacing = float(overlap[-1]) / (n - 1)
+        at = spacing * np.arange(n)
+        even = np.interp(at, overlap, force)
+        off = np.abs(np.interp(overlap[1:], at, even) / force[1:] - 1)
+        if off.max() <= _WITHIN:
+            return spacing, even
+        if n == _MOST_POINTS:
+            k = int(off.argmax()) + 1
+            raise InputError(
+                f"{path}: overlap = {1e3 * overlap[k]:g} mm: the curve bends too sharply there for "
+                f"the {n} even points up to {1e3 * overlap[-1]:g} mm that stand for it; leave this "
+                "point out, or end the curve before"
+            )
+        n *= 2
 
 
 def with_cohesion(laws: Laws, settings: Settings, length: float) -> tuple[Law, Law]:
@@ -79,7 +97,7 @@ def read_curve(path: Path, field: str) -> tuple[np.ndarray, np.ndarray]:
     """
     if not is_file(path):
         raise InputError(f"{field} = {path.name!r}: no such file next to the case")
-    rows = [[cell.strip() for cell in row] for _, row in csv_rows(path, "the curve")][1:]
+    rows = below_header(path, "the curve", "overlap,force")
     if len(rows) < 2 or any(len(row) != 2 for row in rows):
         raise InputError(
             f"{path}: expected a line 'overlap,force' and rows such as '0.01 mm,95 N', two at least"

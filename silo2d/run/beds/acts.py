@@ -63,7 +63,7 @@ class Acts:
         """The acts of a case in the time step of its simulation."""
         flow, step = case.settings.flow, sim.time_step
         gate = [max(round(time / step), 1) for time in flow.gate]
-        feed = 0.0 if flow.feed_rate is None else max(1 / (flow.feed_rate * step), 1.0)
+        feed = 0.0 if flow.feed_rate is None else 1 / (flow.feed_rate * step)
         if not flow.refill:
             return cls(case, packing, gate, feed, 0, None)
         radius = case.shapes.bounding_radius
