@@ -3,6 +3,7 @@
 import json
 import math
 from pathlib import Path
+from statistics import geometric_mean
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from damper3d.studies.design import candidates as making
 from damper3d.studies.design import verification as verifying
 from damper3d.studies.design.candidates import Bed, Candidate
 from damper3d.studies.design.design import Designer
-from damper3d.studies.design.report import remarks
+from damper3d.studies.design.report import as_dict, remarks
 from damper3d.studies.design.search import (
     Design,
     expected_improvement,
@@ -26,6 +27,7 @@ from damper3d.studies.design.search import (
 from damper3d.studies.design.spec import Task, example, read_catalogue, read_spec
 from damper3d.studies.field.table import Field
 from granulab.campaign.output.statistics import mean_sd
+from granulab.errors import SimulationError
 
 SPEC: dict[str, dict[str, Any]] = {
     "structure": {"mass": "2 kg", "frequency": 60.0, "damping_ratio": 0.005},
@@ -85,6 +87,8 @@ def test_specifications_that_cannot_be_are_refused_in_a_line(changes, words, tmp
     ("text", "words"),
     [
         ("", ["no [[kind]]"]),
+        (OWN + 'walls = "brass"\n', ["kind 1", "brass"]),
+        (OWN + "walls = 7\n", ["kind 1", "walls = 7", "as text"]),
         (OWN.replace("materials", "matters"), ["kind 1", "materials is missing"]),
         (OWN + 'colour = "red"\n', ["unknown key 'colour'"]),
         (OWN.replace('["5 mm"]', "5"), ["diameters = 5", "a list"]),
@@ -326,6 +330,23 @@ def test_the_rule_of_thumb_is_verified_too_and_starts_the_search(tmp_path):
     assert verifying.to_verify(found, 1, rule) == [found[-1], found[0]]
 
 
+def test_the_rule_of_thumb_is_of_a_bed_that_the_space_holds(tmp_path):
+    """A ball of an eighth of the width whose bed is too high for it is left out."""
+    task = task_of(tmp_path)
+    beds = making.beds_of(task)
+    heights = [0.1 if bed.ball.diameter == 0.008 else 0.02 for bed in beds]
+    rule = making.rule_of_thumb(task, beds, heights)
+    assert rule.bed.ball.diameter != 0.008
+    assert rule.height <= 0.06
+
+
+def test_beds_none_of_which_settles_are_failed_runs(tmp_path, monkeypatch):
+    monkeypatch.setattr(Designer, "heights", lambda _, beds: [math.inf] * len(beds))
+    how = {"workers": 1, "quiet": True}
+    with pytest.raises(SimulationError, match="settle failed; `damper3d list"):
+        Designer(task_of(tmp_path), tmp_path / "runs", how, lambda words: None).searched()
+
+
 def test_clearances_near_the_best_stay_in_the_space(tmp_path):
     bed = Bed(task_of(tmp_path).catalogue[0], 20, 0.03)
     best = Candidate(bed, 0.020, 0.004)
@@ -334,19 +355,40 @@ def test_clearances_near_the_best_stay_in_the_space(tmp_path):
     assert all(one.height - one.clearance == pytest.approx(0.016) for one in near)
 
 
-def test_intervals_of_verified_designs_pool_their_scatter(tmp_path):
-    """Student's for one more packing: of two designs with two packings each, two degrees."""
-    bed = Bed(task_of(tmp_path).catalogue[0], 20, 0.03)
-    design = Design(Candidate(bed, 0.02, 0.001), reductions=[0.3])
+def test_intervals_of_verified_designs_pool_the_scatter_of_their_beds(tmp_path):
+    """Student's for one more packing: of two beds with two packings each, two degrees; another
+    design of a bed on the same packings adds none, and the same one on others does."""
+    ball = task_of(tmp_path).catalogue[0]
+    designs = [Design(Candidate(Bed(ball, 20, width), 0.02, 0.001)) for width in (0.03, 0.04)]
     levels = [{0: {2: 0.30, 3: 0.25}, 2: {2: 0.20, 3: 0.32}}, {1: {2: 0.40, 3: 0.44, 4: 0.5}}]
     levels[1][0] = {2: 0.1, 3: 0.1}  # the third packing is not done there
-    made = [verifying.Verified(design, known) for known in levels]
+    made = [verifying.Verified(one, known) for one, known in zip(designs, levels, strict=True)]
     assert [one.reductions for one in made] == [[0.30, 0.32], [0.40, 0.44]]  # of the worst level
     low, high = verifying.interval(made[0], made)
     sd = math.sqrt(sum(mean_sd(np.log(v.reductions).tolist()).sd ** 2 for v in made) / 2)
     middle = math.sqrt(0.30 * 0.32)
     assert math.log(high / middle) == pytest.approx(4.3027 * sd * math.sqrt(1.5), rel=1e-4)
     assert low * high == pytest.approx(middle**2)
+    alike = verifying.Verified(Design(Candidate(Bed(ball, 20, 0.03), 0.03, 0.011)), levels[1])
+    assert verifying.interval(made[0], [*made, alike]) == pytest.approx((low, high))
+    again = verifying.Verified(designs[0], {0: {9: 0.3, 10: 0.32}})
+    _, narrower = verifying.interval(made[0], [*made, again])
+    assert narrower < high
+
+
+def test_the_response_of_the_first_design_is_of_packings_it_was_not_chosen_by(tmp_path):
+    """On those that it was chosen by, the least of several is too low: the others go before."""
+    bed = Bed(task_of(tmp_path).catalogue[0], 20, 0.03)
+    design = Design(Candidate(bed, 0.02, 0.001), reductions=[0.3], peaks=[(60.0, 1e-4)])
+    seen = verifying.Verified(design, {0: {2: 0.20, 3: 0.25}})
+    again = verifying.Verified(design, {0: {1001: 0.30, 1002: 0.40}})
+    task = task_of(tmp_path, {"level.range": [1.0]})
+    found = as_dict(task, design, 1, [seen], None, again)
+    assert found["reduction"] == pytest.approx(math.sqrt(0.3 * 0.4))
+    assert found["reduction_interval"] == list(verifying.interval(again, [seen]))
+    assert found["verified_by_simulation"]["unseen"] == [0.30, 0.40]
+    assert found["verified_by_simulation"]["reductions"] == [0.20, 0.25]
+    assert found["walls"] == "acrylic"
 
 
 def test_the_example_is_a_specification_that_is_taken(tmp_path):
@@ -392,6 +434,9 @@ def test_a_small_design_is_made_told_and_not_computed_again(tmp_path):
     assert low <= first["reduction"] <= high
     assert first["added_mass_kg"] <= 0.05 * 0.1
     assert first["verified_by_simulation"]["reduction"] == first["reduction"]
+    assert first["reduction"] == pytest.approx(
+        geometric_mean(first["verified_by_simulation"]["unseen"])
+    )
     seen = first["verified_by_simulation"]["levels"]
     assert [one["level"] for one in seen] == [one["level"] for one in first["levels"]]  # all
     assert {one["what"] for one in found["compared"]} <= {"first", "thumb", "random"}

@@ -219,15 +219,17 @@ def rule_of_thumb(task: Task, beds: Sequence[Bed], heights: Sequence[float]) -> 
     """The thesis's rule I (sec. 9.2): a ball of an eighth of the width, as wide as the space.
 
     Its clearance makes the bare structure's amplitude the optimum (eq. 6.11); of beds that settle
-    to some heights [m].
+    to some heights [m] and find room in the space, of which there is one.
     """
     wanted, highest = task.widest / 8, task.spec.space.height
 
     def order(pair: tuple[Bed, float]) -> tuple[float, ...]:
-        bed, settled = pair
-        return math.isinf(settled), abs(bed.ball.diameter - wanted), -bed.count, -bed.width
+        bed, _ = pair
+        return abs(bed.ball.diameter - wanted), -bed.count, -bed.width
 
-    bed, settled = min(zip(beds, heights, strict=True), key=order)
+    known = zip(beds, heights, strict=True)
+    fit = [(bed, high) for bed, high in known if bed.least(bed.close(high)) <= highest]
+    bed, settled = min(fit, key=order)
     close = bed.close(settled)
     return of_height(bed, min(close + math.pi * task.bare_amplitude, highest), close)
 

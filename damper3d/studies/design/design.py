@@ -35,7 +35,7 @@ from damper3d.studies.design.verification import (
     verification_cases,
 )
 from granulab.campaign.output.layout import stopped
-from granulab.errors import InputError, Stopped
+from granulab.errors import InputError, SimulationError, Stopped
 
 _SEARCH_CPU = 1200.0  # [s of CPU] that the search takes by itself
 _REFINED = 1.5  # runs of a field over those that it begins with
@@ -116,15 +116,16 @@ class Designer:
         each = [self.cost_with_structure(bed) for bed in self.beds]
         packing, run = (sum(part) / len(each) for part in zip(*each, strict=True))
         alone = search.verified + 1 + len(making.NEARBY)  # at a level; then the best at all
-        others = (2 + simulated) * levels if compare else 0  # the first, the rule and random ones
-        runs = (alone + levels - 1 + others) * _ABOUT_A_PEAK
+        unseen = levels  # the first again, on packings that nothing was chosen by
+        others = (1 + simulated) * levels if compare else 0  # the rule and random ones
+        runs = (alone + levels - 1 + unseen + others) * _ABOUT_A_PEAK
         of_settling = sum(map(sum, settling))
         return {
             "settling": of_settling * (1.0 + compare / len(settling)),
             "fields": self.number * field,
             # Other clearances of the best, other frequencies of the first, and those compared with.
             "more fields": (len(making.NEARBY) + 2 + (compare and compare + 1)) * field,
-            "with the structure": search.seeds * (runs * run + alone * packing),
+            "with the structure": search.seeds * (runs * run + (alone + 1) * packing),
         }
 
     def run(self, cases: Sequence[Any]) -> Rows:
@@ -195,6 +196,11 @@ class Designer:
     def searched(self) -> list[Design]:
         """Designs of the search, the best first."""
         space = self.task.spec.space
+        if all(map(math.isinf, self.settled)):
+            raise SimulationError(
+                f"{self.task.spec.name}: the runs in which {len(self.beds)} beds settle failed; "
+                f"`damper3d list {self.out}` names them"
+            )
         pool = making.pool(self.beds, self.settled, self.amplitude, space.height)
         if not pool:
             raise InputError(
@@ -240,6 +246,16 @@ class Designer:
             self.say("the best at its other levels")
             self.simulate(missing, first_seed)
         return verified
+
+    def again(self, one: Verified) -> Verified:
+        """The same design at its levels on packings that nothing was chosen by.
+
+        What is the least of several on the same packings is so by chance in part.
+        """
+        found = Verified(one.design)
+        seed = self.task.spec.search.seed + UNSEEN
+        self.simulate([(found, level) for level in one.levels], seed)
+        return found
 
     def simulate(self, wanted: Sequence[tuple[Verified, int]], first_seed: int) -> None:
         """Simulate designs with the structure, each at a level, and note what came out.

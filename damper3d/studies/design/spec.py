@@ -130,6 +130,11 @@ class Ball:
         return self.density * self.volume
 
     @property
+    def walls(self) -> str:
+        """Material of the enclosure."""
+        return str(dict(self.changes)["enclosure.material"])
+
+    @property
     def name(self) -> str:
         """Name such as "5 mm steel"."""
         return f"{1e3 * self.diameter:g} mm {self.kind}"
@@ -244,6 +249,8 @@ def _check_kind(kind: Any, where: str) -> None:
             raise InputError(f"{where}: {wanted} is missing")
         if wanted != "diameters" and not isinstance(kind[wanted], str):
             raise InputError(f"{where}: {wanted} = {kind[wanted]!r}: write it as text, in quotes")
+    if not isinstance(walls := kind.get("walls", ""), str):
+        raise InputError(f"{where}: walls = {walls!r}: write a material as text, in quotes")
     if not isinstance(sizes := kind["diameters"], list) or not sizes:
         raise InputError(f"{where}: diameters = {sizes!r}: give a list such as ['5 mm', '8 mm']")
     for given in kind:
@@ -258,8 +265,8 @@ def _shape(name: str, size: float) -> dict[str, Any]:
     return {"particles.shape": name, "particles.equal_volume_radius": f"{0.5 * size!r} m"}
 
 
-_OF_A_KIND = ("name", "materials", "material", "diameters", "shape", "restitution", "friction",
-              "youngs_modulus", "source")  # fmt: skip
+_OF_A_KIND = ("name", "materials", "material", "diameters", "shape", "walls", "restitution",
+              "friction", "youngs_modulus", "source")  # fmt: skip
 
 
 def _changes(kind: dict[str, Any], folder: Path) -> dict[str, Any]:
@@ -268,7 +275,7 @@ def _changes(kind: dict[str, Any], folder: Path) -> dict[str, Any]:
     return {
         "particles.materials": str(own.resolve()) if own.is_file() else file,
         "particles.material": kind["material"],
-        "enclosure.material": kind["material"],
+        "enclosure.material": kind.get("walls", kind["material"]),
         **{
             f"law.{name}": kind[name]
             for name in ("restitution", "friction", "youngs_modulus")

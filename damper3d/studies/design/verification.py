@@ -42,11 +42,15 @@ class Verified:
         self.rows += rows
 
     @property
-    def reductions(self) -> list[float]:
-        """At the worst of its levels, of each packing that is done at all of them."""
+    def seeds(self) -> list[int]:
+        """Of the packings that are done at all levels."""
         seen = list(self.levels.values())
-        seeds = [seed for seed in (seen[0] if seen else {}) if all(seed in one for one in seen)]
-        return [max(one[seed] for one in seen) for seed in seeds]
+        return [seed for seed in (seen[0] if seen else {}) if all(seed in one for one in seen)]
+
+    @property
+    def reductions(self) -> list[float]:
+        """At the worst of its levels, of each of these packings."""
+        return [max(one[seed] for one in self.levels.values()) for seed in self.seeds]
 
     @property
     def sample(self) -> Any:
@@ -165,8 +169,14 @@ def _reductions(task: Task, level: int, rows: Rows) -> dict[int, float]:
 
 
 def interval(one: Verified, all_verified: Sequence[Verified]) -> tuple[float, float] | None:
-    """Of 95 %, for one more packing: scatter pooled over all designs; None for too few packings."""
-    pooled = pooled_sd([each.sample for each in all_verified if len(each.reductions) > 1])
+    """Of 95 %, for one more packing; None for too few packings.
+
+    The scatter is pooled over `one` and another design of each bed: those of a bed scatter alike on
+    the same packings, and tell no more than one of them.
+    """
+    known = [each for each in [*all_verified, one] if len(each.reductions) > 1]
+    apart = {(each.design.candidate.bed, *each.seeds): each for each in known}
+    pooled = pooled_sd([each.sample for each in apart.values()])
     if pooled is None or not one.reductions:
         return None
     half = noise_of_one_more(len(one.reductions), *pooled)
