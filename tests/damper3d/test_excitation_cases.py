@@ -12,7 +12,7 @@ from small_silo import DRY, the_run
 
 from damper3d.case.case import DamperCase
 from damper3d.case.plan import warnings
-from damper3d.case.settings import Excitation
+from damper3d.case.settings import MOST_SAMPLES, Excitation
 from damper3d.measures import host
 from damper3d.measures.counted import Cycles
 from damper3d.run import protocol
@@ -60,6 +60,10 @@ def load(folder: Path, changes) -> DamperCase:
         ({**SINES, "excitation.amplitudes": ["6 g", "4"]}, ["'4'", "unit is missing"]),
         ({**SINES, "excitation.frequencies": [80, 80]}, ["stands twice"]),
         ({**SWEEP, "excitation.steps": 12}, ["steps = 12", "held for 0.0167 s", "fewer steps"]),
+        (
+            {**SINES, "excitation.frequencies": [80, 80.001], "run.cycles": None},
+            ["0.001 Hz apart", "1000 s", "[run] cycles"],
+        ),
         ({**SINES, "excitation.frequencies": [80, -1]}, ["frequencies", "greater than 0"]),
         ({**SINES, "excitation.phases": ["1 s", "0 deg"]}, ["phases = '1 s'"]),
         ({**SINES, "excitation.across_amplitudes": ["1 g", "1 g"]}, ["across is missing"]),
@@ -108,6 +112,38 @@ def load(folder: Path, changes) -> DamperCase:
 def test_excitations_that_cannot_be_are_refused_in_a_line(changes, words, tmp_path):
     (tmp_path / "signal.csv").write_text(recording(), "utf-8")
     assert_refuses(words, load, tmp_path, changes)
+
+
+def test_sines_that_beat_count_for_a_beat(tmp_path):
+    """20 and 20.1 Hz have no common period within 50 cycles, and beat in 10 s, 200 cycles."""
+    sines = {**SINES, "excitation.frequencies": [20.0, 20.1], "run.cycles": None,
+             "run.discard": None}  # fmt: skip
+    found = load(tmp_path, sines).excitation
+    assert (found.windows - found.discard) * found.window == pytest.approx(10.0)
+    on_host = load(tmp_path, sines | HOST | {"excitation.amplitudes": ["1 N", "2 N"]}).excitation
+    assert (on_host.windows - on_host.discard) * on_host.window == pytest.approx(10.0)
+    given = load(tmp_path, sines | {"run.cycles": 12, "run.discard": 2}).excitation
+    assert (given.windows, given.discard) == (12, 2)
+
+
+@pytest.mark.parametrize("band", [[98.0, 102.0], [100.2, 100.8]])
+def test_a_narrow_band_has_ten_lines_at_least(band, tmp_path):
+    """Its width over the distance of lines, whose power is that of the band, to rounding."""
+    psd = [[frequency, 0.1] for frequency in band]
+    changes = {**RANDOM, "excitation.psd": psd, "excitation.length": None}
+    found = load(tmp_path, changes).excitation
+    assert len(found.lines.omega) >= 10
+    assert found.band_error == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_short_shock_on_a_slow_host_is_sampled_in_parts(tmp_path):
+    """Half a millisecond on 5 Hz: 16 samples of 4 kHz for 0.2 s, in more windows than cycles."""
+    changes = ON_HOST["shock"] | {"host.frequency": 5.0, "excitation.length": "0.5 ms"}
+    found = load(tmp_path, changes).excitation
+    assert found.samples <= MOST_SAMPLES
+    assert found.samples / found.window >= 16 * 4000
+    left = np.log(10.0) / (0.02 * 2 * np.pi * 5.0)  # [s] until a tenth of the bare motion is left
+    assert found.windows * found.window == pytest.approx(0.2 * (1 + np.ceil(left / 0.2)))
 
 
 def recording(rate: float = 2000.0, head: str = "time [s],acceleration [g]") -> str:

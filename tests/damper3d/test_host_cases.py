@@ -100,7 +100,6 @@ def test_a_host_that_cannot_be_is_refused(changes, words, tmp_path):
         ("frequency [Hz],damping_ratio,shape [kg]\n20,0.1,1\n", ["'shape [kg]'", "'kg'"]),
         ("frequency [Hz],damping,shape [kg^-0.5]\n20,0.1,1\n", ["'damping'", "damping_ratio"]),
         ("frequency [Hz],damping_ratio\n20,0.1\n", ["column 'shape' is missing"]),
-        (HEAD + "20,0.01,1\n20,0.02,2\n", ["frequency = 20 Hz stands twice"]),
         (HEAD.replace("damping_ratio", "frequency") + "20,20,1\n", ["'frequency' stands twice"]),
         (HEAD + "\n-20,0.01,1\n", ["line 3", "frequency = -20 Hz"]),
         (HEAD + "-20,0.01,1\n", ["line 2", "frequency = -20 Hz"]),
@@ -115,6 +114,17 @@ def test_a_table_of_modes_that_cannot_be_is_refused(text, words, tmp_path):
     path = tmp_path / "modes.csv"
     path.write_text(text, encoding="utf-8")
     assert_refuses(words, read_modes, path)
+
+
+def test_two_modes_of_one_frequency_and_damping_act_as_one(tmp_path):
+    """On a damper at one place with the root of the sum of their squares: sqrt(3^2 + 4^2)."""
+    single = dict.fromkeys(("host.mass", "host.frequency", "host.damping_ratio"))
+    modal = FORCED | single | {"host.modes": "modes.csv"}
+    sizes = []
+    for rows in ("80,0.02,3\n80,0.02,4\n", "80,0.02,5\n"):
+        (tmp_path / "modes.csv").write_text(HEAD + rows, encoding="utf-8")
+        sizes.append(load(tmp_path, modal).amplitude)
+    assert sizes[0] == pytest.approx(sizes[1], rel=1e-12)
 
 
 def test_base_motion_of_modes_needs_their_participation(tmp_path):

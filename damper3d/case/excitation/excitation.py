@@ -6,6 +6,7 @@ of some sines, parts of a random signal, of a sweep or of a measured one, the le
 
 import math
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +39,7 @@ _FRAMES = 20  # a window, which samples are a multiple of
 _PARTS = 10  # windows of what is counted of a random signal
 _SHOWN = 50  # windows of a sweep, each way
 _RECORDED = 20  # windows of a measured signal, and pulses after a shock
+_LONGEST_BEAT = 2000  # windows that are run by themselves for a beat of sines
 _RANDOM_CYCLES = 50  # of the lowest frequency, that count by themselves
 _LEFT = math.exp(-3.0)  # of a bare host's transient, that is left when counting begins
 _PEAKS_OF = 50  # windows of a sum of sines, among which its largest values are looked for
@@ -247,9 +249,38 @@ def _lines(keys: Keys, on: str, prefix: str = "") -> Lines:
     return Lines(np.array(amplitude), omega, np.array(phase))
 
 
-def _window_of(frequencies: list[float]) -> float:
-    """Window [s] of sums of sines: their common period, or one of the slowest."""
-    return forms.common_period(frequencies) or 1.0 / min(frequencies)
+def _windows(
+    frequencies: list[float], settings: Settings, slowest: float
+) -> tuple[float, int, int]:
+    """Window [s] of sums of sines, their number, and how many of them do not count.
+
+    A window is their common period, or one of the slowest. By themselves they hold the slowest
+    beat.
+    """
+    window, run = forms.common_period(frequencies) or 1.0 / min(frequencies), settings.run
+    windows, discard = run.cycles, run.discard
+    if "cycles" not in run.model_fields_set:
+        if slowest:
+            discard = math.ceil(-math.log(_LEFT) / slowest / window)
+            windows = discard + _RECORDED
+        windows = max(windows, discard + _of_a_beat(frequencies, window))
+    return window, windows, discard
+
+
+def _of_a_beat(frequencies: list[float], window: float) -> int:
+    """Windows [s] that the slowest beat of sums of sines takes, which is as loud as faint in part.
+
+    Raises InputError where it takes more than _LONGEST_BEAT of them.
+    """
+    ordered = sorted(frequencies)
+    slowest = min((b - a for a, b in pairwise(ordered)), default=math.inf)
+    takes = math.ceil(1.0 / (slowest * window) * (1.0 - 1e-9))
+    if takes > _LONGEST_BEAT:
+        raise InputError(
+            f"frequencies {slowest:.3g} Hz apart beat in {1.0 / slowest:.4g} s, {takes:,} cycles "
+            "of the slowest: give [run] cycles for a part of that, or frequencies further apart"
+        )
+    return takes
 
 
 def _sines(keys: Keys, on: str, settings: Settings, slowest: float) -> Excitation:
@@ -265,14 +296,9 @@ def _sines(keys: Keys, on: str, settings: Settings, slowest: float) -> Excitatio
         motion = Crossed(motion, _lines(keys, on, "across_").motion(), direction)
     elif keys.across_amplitudes is not None or keys.across_phases is not None:
         raise InputError("across is missing; give the direction of the second motion")
-    window, run = _window_of(frequencies), settings.run
-    windows, discard = run.cycles, run.discard
-    if slowest and "cycles" not in run.model_fields_set:
-        discard = math.ceil(-math.log(_LEFT) / slowest / window)
-        windows = discard + _RECORDED
     across = [*motion.across, motion.direction] if isinstance(motion, Crossed) else []
     return Excitation(
-        "sines", on, motion, window, windows, discard, max(frequencies), lines,
+        "sines", on, motion, *_windows(frequencies, settings, slowest), max(frequencies), lines,
         identity=(lines.amplitude, lines.omega, lines.phase, *across),
     )  # fmt: skip
 
@@ -295,11 +321,11 @@ def _rotation(keys: Keys, settings: Settings, on_host: bool) -> Excitation:
         raise InputError("kind = 'rotation': a host that twists is not there; leave [host] out")
     with located("kind = 'rotation':"):
         rim = rim_of(settings)
-    lines, run = _lines(keys, "rotation"), settings.run
+    lines = _lines(keys, "rotation")
     frequencies = keys.frequencies or []
     return Excitation(
         "rotation", "enclosure", Turning(lines.motion(), 1.0, np.zeros(1)),
-        _window_of(frequencies), run.cycles, run.discard, max(frequencies), lines,
+        *_windows(frequencies, settings, 0.0), max(frequencies), lines,
         identity=(lines.amplitude, lines.omega, lines.phase), rim=rim,
     )  # fmt: skip
 
@@ -373,8 +399,10 @@ def _random(keys: Keys, on: str, folder: Path, slowest: float) -> Excitation:
     discard = max(math.ceil(-math.log(_LEFT) / slowest / window) if slowest else 0, 2)
     duration = (parts + discard) * window
     _check_points(duration * high)
-    # Long enough for LINES of its multiples in the lowest third octave.
-    period = max(duration, forms.LINES / ((2.0 ** (1 / 3) - 1.0) * low))
+    # Long enough for LINES of its multiples in the lowest third octave, and between both ends.
+    narrowest = min((2.0 ** (1 / 3) - 1.0) * low, high - low)
+    period = max(duration, forms.LINES / narrowest)
+    _check_points(period * high)
     lines = forms.random_lines(psd, unit, seed, period)
     errors = forms.band_errors(lines, psd, unit, period)
     return Excitation(
@@ -394,6 +422,8 @@ def _shock(keys: Keys, on: str, slowest: float, own: float) -> Excitation:
         left = math.log(10.0) / (slowest * window) if slowest else 1000.0
         windows = math.ceil(length / window) + min(math.ceil(left), 100_000)
         highest = max(highest, own)
+        parts = _parts(window, highest, 1)
+        window, windows = window / parts, windows * parts
     return Excitation(
         "shock", on, motion, window, windows, 0, highest,
         identity=(form, size.value, size.unit, length),

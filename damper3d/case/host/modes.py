@@ -6,7 +6,6 @@ M x'' + c x' + k x = f + F with c = 2 zeta_0 omega_0 M, k = omega_0^2 M.
 
 import math
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -207,13 +206,6 @@ def _check_modes(path: Path, lines: list[int], values: dict[str, np.ndarray], ow
             raise InputError(
                 f"{path}: line {k}: damping_ratio = {ratio:g}: must be 0 or more and below 1"
             )
-    if len(set(values["frequency"])) < len(values["frequency"]):
-        repeated = sorted(values["frequency"])
-        twice = next(a for a, b in pairwise(repeated) if a == b)
-        raise InputError(
-            f"{path}: frequency = {twice:g} Hz stands twice; two modes of one frequency act as "
-            "one, whose shape is the root of the sum of their squares"
-        )
     if not np.any(values[own]):
         raise InputError(f"{path}: every {own} is 0: no mode moves the damper")
 
