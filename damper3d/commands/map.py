@@ -63,7 +63,7 @@ def map_(
 
     name, changes = case or "thesis", changes_of(material, options)
     loaded = DamperCase.load(name, changes)
-    prediction = predict(loaded)
+    prediction = predict(loaded, needed=False)  # onsets are drawn where they are known
     quantities = ranked_by(DAMPER.quantities, rank_by)
     grid = Grid(
         numbers("--frequencies", frequencies, FREQUENCIES), numbers("--gammas", gammas, GAMMAS),

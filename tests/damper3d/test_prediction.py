@@ -1,10 +1,13 @@
 """Predictions of cases, compared with simulations."""
 
+import math
+
 import pytest
 from made_map import made_runs
 
 from damper3d.case import closed_forms
 from damper3d.case.case import DamperCase
+from damper3d.case.random_packing import close_packing
 from damper3d.studies.predict import compare
 from damper3d.studies.predict.chart import draw_predictions
 from damper3d.studies.predict.prediction import (
@@ -68,9 +71,53 @@ def test_length_is_that_between_the_walls_which_the_motion_meets():
     assert predicted({**BOX, "motion.direction": [0.0, -2.0, 0.0]}).length == 0.02
 
 
+@pytest.mark.parametrize(("bottom", "top"), [(40.0, 10.0), (10.0, 40.0)])
+def test_clearance_of_a_frustum_is_over_the_level_of_its_bed(bottom, top):
+    """A cone's volume goes with the cube of its width: the bed at close packing takes 0.3/0.64 of
+    the volume from the bottom. To 1e-3: the walls that are seen are polygons of 48 sides.
+    """
+    found = predicted(
+        {"enclosure.shape": "frustum", "enclosure.diameter": f"{bottom} mm",
+         "enclosure.top_diameter": f"{top} mm", "enclosure.height": "40 mm",
+         "particles.shape": "sphere:2mm", "particles.fill_ratio": 0.3}
+    )  # fmt: skip
+    width = (bottom**3 + 0.3 / 0.64 * (top**3 - bottom**3)) ** (1 / 3)
+    level = 0.04 * (width - bottom) / (top - bottom)
+    assert found.best.length == pytest.approx(0.04 - level, rel=1e-3)
+    # d level/d part = V/A(level), of the packing's uncertainty
+    packed = close_packing("sphere:2mm")
+    volume = math.pi / 12 * 40 * (bottom**2 + bottom * top + top**2)  # [mm3]
+    off = 0.3 / 0.64**2 * packed.uncertainty * volume / (math.pi / 4 * width**2) * 1e-3
+    assert found.best.uncertainty == pytest.approx(off, rel=1e-2)
+    assert inverted(found, 60.0, 5.0)["height_m"] is None
+
+
+def test_a_map_of_an_enclosure_without_a_prediction_has_no_onsets(tmp_path):
+    """Of a sphere, or of motion across a cylinder, no clearance is known, and none is needed."""
+    (tmp_path / "round.toml").write_text(
+        'schema = 1\n[enclosure]\nshape = "sphere"\ndiameter = "40 mm"\n[particles]\ncount = 9\n'
+    )
+    for given in (("thesis", {"motion.direction": [1.0, 0.0, 0.0]}), (tmp_path / "round.toml",)):
+        case = DamperCase.load(*given)
+        with pytest.raises(InputError, match="two parallel walls"):
+            predict(case)
+        found = predict(case, needed=False)
+        assert [one.onset(40.0) for one in found.clearances] == [None, None]
+
+
 @pytest.mark.parametrize(
     ("changes", "own", "words"),
     [
+        (
+            {
+                "enclosure.shape": "frustum",
+                "enclosure.diameter": "40 mm",
+                "enclosure.top_diameter": "30 mm",
+                "motion.orientation": "none",
+            },
+            {},
+            "vertical motion",
+        ),
         ({"motion.direction": [1.0, 0.0, 0.0]}, {}, "two parallel walls"),
         ({**BOX, "motion.direction": [1.0, 1.0, 0.0]}, {}, "two parallel walls"),
         ({}, {"packing": 0.4}, "fill ratio = 0.466"),

@@ -1,6 +1,7 @@
 """Predictions of a case by case.closed_forms, in numbers and in words."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,11 +10,17 @@ import numpy as np
 from damper3d.case import closed_forms
 from damper3d.case.case import DamperCase
 from damper3d.case.random_packing import Fraction, close_packing, loose_packing
+from damper3d.view.sketch import level_of, walls_along
 from granulab.errors import InputError
 
 FREQUENCIES = (20.0, 40.0, 80.0)  # [Hz] of Table 6.3
 _HEIGHTS = ("40 mm", "45 mm", "50 mm", "55 mm")  # of the thesis's four fills (Table 6.1)
 _ALONG = 1e-6  # how far a unit vector may be off an axis
+_HALF = 0.5  # of the volume, which takes half of the length of an even enclosure, and a quarter a
+_EVEN = 1e-4  # quarter, to so much of the length: the walls that are drawn are polygons
+_STEP = 1e-3  # of the volume, for a derivative
+
+Free = Callable[[float], float]  # clearance [m] over a bed that takes a part of the volume
 
 
 @dataclass(frozen=True)
@@ -49,6 +56,7 @@ class Prediction:
     orientation: str  # of the motion against gravity: vertical, horizontal, none or oblique
     clearances: tuple[Clearance, ...]
     threshold: float | None  # Gamma above which a rigid bed moves; None where oblique
+    narrows: bool = False  # the enclosure is not as wide all along the motion
 
     @property
     def best(self) -> Clearance:
@@ -67,28 +75,36 @@ def predict(
     packing: float | None = None,
     full_count: int | None = None,
     close: Fraction | None = None,
+    needed: bool = True,
 ) -> Prediction:
     """Predict a case for its shape's packings, and for one's own fill ratio or full number.
 
     close: the shape's close packing, where it was computed; else that of the shipped table, and
     None of a shape that is not in it. Raises InputError where the motion does not meet two parallel
-    walls, or where the bed of one's own packing has none.
+    walls, or where the bed of one's own packing has no clearance; of a prediction that is not
+    needed clearances are not known then.
     """
-    length = _between_walls(case)
     fill, shape = case.fill_ratio, case.particle.name
-    known = {"loose": loose_packing(shape), "close": close or close_packing(shape)}
-    clearances = [_packed(name, most, fill, length) for name, most in known.items()]
-    if packing is not None:
-        own = closed_forms.effective_clearance(fill, length, packing)
-        clearances.append(Clearance("own", packing, own))
-    if full_count is not None:
-        counted = closed_forms.relative_clearance(case.count, full_count, length)
-        clearances.append(Clearance("counted", None, counted))
     orientation = _orientation(case)
+    known = {"loose": loose_packing(shape), "close": close or close_packing(shape)}
+    try:
+        length, free = _free(case, orientation)
+    except InputError:
+        if needed:
+            raise
+        length, free, known = math.nan, None, dict.fromkeys(known)
+    clearances = [_packed(name, most, fill, free) for name, most in known.items()]
+    if free and packing is not None:
+        closed_forms.effective_clearance(fill, length, packing)  # refused where there is none
+        clearances.append(Clearance("own", packing, free(fill / packing)))
+    if free and full_count is not None:
+        closed_forms.relative_clearance(case.count, full_count, length)
+        clearances.append(Clearance("counted", None, free(case.count / full_count)))
     threshold = None
     if orientation != "oblique":
         threshold = closed_forms.fluidisation_threshold(orientation, case.wall_law.mu)
-    return Prediction(case.name, fill, length, orientation, tuple(clearances), threshold)
+    narrows = free is not None and free(_HALF) != (1 - _HALF) * length
+    return Prediction(case.name, fill, length, orientation, tuple(clearances), threshold, narrows)
 
 
 def check_known(prediction: Prediction) -> None:
@@ -100,19 +116,22 @@ def check_known(prediction: Prediction) -> None:
         )
 
 
-def _packed(name: str, most: Fraction | None, fill: float, length: float) -> Clearance:
+def _packed(name: str, most: Fraction | None, fill: float, free: Free | None) -> Clearance:
     """The clearance of eq. 6.13 with its uncertainty; none where no packing is known."""
-    if most is None:
+    if most is None or free is None:
         return Clearance(name, None, None)
-    free = (1 - fill / most.value) * length if fill < most.value else None
+    packed = fill / most.value  # of the volume
+    length = free(packed) if packed < 1 else None
     source = f"{most.value:.3g}, {most.source}"
     if most.uncertainty is None:
-        return Clearance(name, most.value, free, None, source)
-    off = fill / most.value**2 * most.uncertainty * length
+        return Clearance(name, most.value, length, None, source)
+    part = packed * most.uncertainty / most.value
+    near = min(packed, 1 - _STEP)
+    off = part * (free(near - _STEP) - free(near + _STEP)) / (2 * _STEP)
     source = f"{most.value:.3g} +- {most.uncertainty:.1g}, {most.source}"
-    if free:
-        source += f"; onset +- {100 * off / free:.2g} %"
-    return Clearance(name, most.value, free, off, source)
+    if length:
+        source += f"; onset +- {100 * off / length:.2g} %"
+    return Clearance(name, most.value, length, off, source)
 
 
 def fills(name: str | None, changes: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
@@ -147,12 +166,13 @@ def inverted(prediction: Prediction, frequency: float, gamma: float) -> dict[str
     """The clearance whose optimum is at a frequency [Hz] and Gamma, and what gives it.
 
     height_m holds the same particles, fill_ratio is that of fewer in the same height; None where
-    the enclosure is not that high, or no packing is known.
+    the enclosure is not that high, or not as wide all along the motion, or no packing is known.
     """
     wanted = float(closed_forms.clearance_for(frequency, gamma))
     packing, length = prediction.best.packing, prediction.length
-    fits = packing is not None and wanted < length
-    depth = None if packing is None else prediction.fill_ratio / packing * length
+    known = packing is not None and not prediction.narrows
+    fits = known and wanted < length
+    depth = prediction.fill_ratio / packing * length if packing and known else None
     return {
         "frequency_hz": frequency,
         "gamma": gamma,
@@ -230,6 +250,34 @@ def _on_fluidisation(prediction: Prediction) -> list[str]:
 
 def _millimetres(length: float | None) -> str:
     return "-" if length is None else f"{1e3 * length:.2f} mm"
+
+
+def _free(case: DamperCase, orientation: str) -> tuple[float, Free]:
+    """Distance [m] of the walls that the motion meets, and the free part of it over a packed bed.
+
+    The bed takes a part of the volume, which is that of the length where the enclosure is as wide
+    all along it (eq. 6.13). Elsewhere the bed lies at the lower end: InputError for motion that is
+    not vertical, whose bed may lie at either.
+    """
+    length = _between_walls(case)
+
+    def level(part: float) -> float:
+        up = case.direction if orientation != "vertical" else -case.gravity
+        up = up / float(np.linalg.norm(up))
+        floor = float(walls_along(case.enclosure, up)[0].min())
+        return length - (level_of(case.enclosure, up, part * case.enclosure.volume) - floor)
+
+    even = all(
+        abs(level(part) - (1 - part) * length) < _EVEN * length for part in (_HALF / 2, _HALF)
+    )
+    if even:
+        return length, lambda part: (1 - part) * length
+    if orientation != "vertical":
+        raise InputError(
+            "the enclosure is not as wide all along the motion: predictions are for vertical "
+            "motion then, where the bed lies at the lower end"
+        )
+    return length, level
 
 
 def _between_walls(case: DamperCase) -> float:
