@@ -282,6 +282,11 @@ def test_cases_without_a_steady_response_are_refused_in_one_line(changes, words)
             ["0.0278", "kg", "leave [particles] out"],
         ),
         ({"enclosure.height": "45 mm"}, ["a height of 40 mm", "gives 45 mm"]),
+        ({"enclosure.diameter": "80 mm"}, ["0.04 m", "gives", "0.08 m", "leave [enclosure] out"]),
+        ({"enclosure.diameter": "40 mm"}, None),
+        ({"law.restitution": 0.3}, ["restitution 0.86", "gives", "restitution 0.3"]),
+        ({"law.friction": 0.05}, ["mu 0.05", "leave [law] out"]),
+        ({"particles.material": "acrylic"}, None),
     ],
 )
 def test_a_field_of_another_bed_than_the_case_gives_is_refused(changes, words):

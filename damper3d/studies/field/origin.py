@@ -19,6 +19,8 @@ _KEYS = {
     "particles": set(Particles.model_fields) - {"materials"},
     "enclosure": {"height"},
 }
+_OF_LAW = {"particles": {"material", "materials"}, "enclosure": {"material", "materials"}}
+_ENCLOSURE, _CONTACTS = "enclosure: ", "contacts: "  # as lines of a head begin
 _MASS = 0.05  # of a bed's, by which drawn sizes may differ, and materials do not so little
 
 
@@ -27,6 +29,8 @@ def head(case: DamperCase) -> tuple[str, ...]:
     size = f"{case.count} particles {case.particle.name}, {case.mass:.6g} kg"
     return (
         f"effective mass of {case.name}: {size}, fill ratio {case.fill_ratio:.3f}, {lid(case)}",
+        _ENCLOSURE + case.enclosure.words,
+        _CONTACTS + contacts(case),
         f"granulab {version('granulab')}, {' '.join(['damper3d', *sys.argv[1:]])}",
         "m' - i m'' with F = omega^2 (m' - i m'') X of x = Re(X exp(i omega t)); half widths of "
         "95 % intervals over the packings",
@@ -36,6 +40,19 @@ def head(case: DamperCase) -> tuple[str, ...]:
 def lid(case: DamperCase) -> str:
     """The closed ends, in words, and the direction of the motion to gravity."""
     return f"with a lid, {1e3 * case.enclosure.height:g} mm high, {case.orientation}"
+
+
+def contacts(case: DamperCase) -> str:
+    """Laws of the contacts of a case, in words that two cases share where their laws are one."""
+    own, parts = case.settings.law, []
+    for one in case.pairings:
+        law, where = one.law, "walls" if one.of_wall else "particles"
+        parts.append(
+            f"{where} 4/3 E {law.hertz:.4g} Pa, kt/kn {law.tangential:.4g}, mu {law.mu:g}, "
+            f"restitution {one.restitution:g}"
+        )
+    more = {name: getattr(own, name) for name in ("rolling_friction", "cohesion", "surface_energy")}
+    return "; ".join([*parts, *(f"{name} {value}" for name, value in more.items() if value)])
 
 
 def check_origin(table: str, lines: tuple[str, ...], case: DamperCase) -> None:
@@ -60,6 +77,15 @@ def check_origin(table: str, lines: tuple[str, ...], case: DamperCase) -> None:
                    f"{own_bed}, {own['mass']} kg", f"{bed}, {mass}")  # fmt: skip
     _refuse_unless(table, case, "enclosure", not of_height or own["height"] == height,
                    f"a height of {own['height']} mm", f"{height} mm")  # fmt: skip
+    of_law = case.settings.law.model_fields_set or any(
+        getattr(case.settings, section).model_fields_set & keys for section, keys in _OF_LAW.items()
+    )
+    for section, given, begins, here in (
+        ("enclosure", case.settings.enclosure.model_fields_set, _ENCLOSURE, case.enclosure.words),
+        ("law", of_law, _CONTACTS, contacts(case)),
+    ):
+        there = next((line.removeprefix(begins) for line in lines if line.startswith(begins)), here)
+        _refuse_unless(table, case, section, not given or there == here, there, here)
 
 
 def _refuse_unless(
