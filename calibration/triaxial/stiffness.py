@@ -67,7 +67,10 @@ def slopes(load: Array, seen: Array, branch: Branch, where: str) -> Slopes:
 
 def _fitted(load: Array, seen: Array, rows: list[Rows]) -> Slopes:
     """The mean of the unloadings' own lines; each counts once, as they differ beyond noise."""
-    lines = [np.polynomial.polynomial.polyfit(load[one], seen[:, one].T, 1) for one in rows]
+    lines: list[Array] = [
+        np.asarray(np.polynomial.polynomial.polyfit(load[one], seen[:, one].T, 1), dtype=float)
+        for one in rows
+    ]
     own: Array = np.array([line[1] for line in lines])
     value = own.mean(axis=0)
     covariances = [_of_frames(load, seen, rows, lines)]
