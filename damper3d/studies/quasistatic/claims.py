@@ -56,11 +56,14 @@ def verdicts(test: str, shapes: dict[str, Shape]) -> list[Verdict]:
 
 @SLOW.quantity
 def over_sphere(readings: Readings, kind: str) -> list[dict[str, Any]]:
-    """The measure of each shape of a family, "prolate" or "toroid", over its sphere's."""
+    """The measure of each shape of a family, "prolate" or "toroid", over its sphere's.
+
+    The noise covers all of them together: a claim on each fails where one is beyond it.
+    """
     own = family(readings.shapes, kind)
     sphere = own.pop(_SPHERE[kind], None)
     return [
-        {"ratio": ratio} | _item(*readings.over(shape, sphere))
+        {"ratio": ratio} | _item(*readings.over(shape, sphere, len(own)))
         for ratio, shape in own.items()
         if sphere
     ]
