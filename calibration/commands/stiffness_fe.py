@@ -57,7 +57,7 @@ from granulab.campaign.cli.commandline import quiet_option
 )
 @click.option("--across", metavar='"0.07 mm"', help="Travel that presses [default: Table 1].")
 @click.option("--along", metavar='"0.03 mm"', help="Travel that shears [default: Table 1].")
-@click.option("--random-profiles", type=click.IntRange(1, 200), default=8, help="[default: 8].")
+@click.option("--random-profiles", type=click.IntRange(1, 200), help="[default: 8].")
 @click.option(
     "--mesh", type=click.IntRange(16, 400), default=160, help="Columns of elements [default: 160]."
 )
@@ -91,7 +91,7 @@ def command(
     from calibration.stiffness_fe.assumptions import applied, vary
     from calibration.stiffness_fe.measure import measure
     from calibration.stiffness_fe.result import Stiffness
-    from calibration.stiffness_fe.setting import read_kn, read_setting
+    from calibration.stiffness_fe.setting import PROFILES, read_kn, read_setting
 
     setting, sigma_e = read_setting(given)
     known_kn = read_kn(kn, into is not None)
@@ -105,7 +105,7 @@ def command(
         setting.case,
         None if wanted == "rough" else setting.flat,
         None if wanted == "flat" else (setting.rough, setting.surface),
-        profiles=given["random_profiles"],
+        profiles=given["random_profiles"] or PROFILES,
         seed=seed,
         sigma_e=sigma_e,
         progress=progress,

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from calibration.flow.result import Flow
-from calibration.flow.silo import Settings, check_options, find_silo
+from calibration.flow.silo import Settings, check_columns, check_options, find_silo, layer_height
 from calibration.flow.survey import survey
 from calibration.flow.watch import Watch
 from calibration.tracking.film.reader import frame_rate, open_film
@@ -32,12 +32,13 @@ def measure_flow(
             f"--interval {settings.interval or f'{interval:g} s'}: shorter than a frame, "
             f"{1 / rate:.3g} s; say a longer one"
         )
-    if settings.columns < 3 or settings.columns % 2 == 0:
-        raise InputError(f"--columns {settings.columns}: an odd number, 3 at least")
     check_options(film, settings.roi, settings.scale, settings.width)
+    check_columns(settings.columns, settings.roi[2] if settings.roi else film.width)
+    layer_height(settings)
     try:
         seen = survey(film, lambda part: report(0.2 * part, "first look"))
         silo = find_silo(film, seen, settings.roi, settings.scale, settings.width)
+        check_columns(settings.columns, silo.width)
     except InputError as error:
         text = str(error)
         raise InputError(text if str(path) in text else f"{path}: {text}") from None

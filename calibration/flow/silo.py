@@ -12,6 +12,7 @@ from calibration.flow.survey import CLEAR, Survey, find_tones, to_grey
 from calibration.statistics.quantity import measured_quantity, metres_per_pixel
 from calibration.statistics.uncertainty import Estimate
 from calibration.tracking.film.reader import Film, inside
+from granulab.contact.files.units import to_si
 from granulab.errors import InputError
 
 COLUMNS = 11  # two particles wide each in the paper's silo
@@ -36,6 +37,7 @@ Mask = NDArray[np.bool_]
 Roi = tuple[int, int, int, int] | None
 
 _SOME = 0.05  # of a side that must have changed for a row or column to be of the inside
+_NARROWEST = 3  # px of a column, for particles of a pixel and a half
 SMALLEST = 40  # px across, for a profile in a few columns of a few pixels' particles
 _EDGE = 0.41  # px, of a found side: whole pixels, 1/sqrt(12), for the edge and for the limit each
 _NEAR = 7  # px about an edge in which its whole change is found
@@ -83,6 +85,29 @@ def check_options(film: Film, roi: Roi, scale: str | None, width: str | None) ->
         raise InputError("--scale and --width: give one; each gives the scale by itself")
     scale_of(scale, width, 1.0, 0.0)
     inside(film, roi, SMALLEST)
+
+
+def check_columns(columns: int, pixels: float) -> None:
+    """Raise InputError where so many columns across a silo are none, or too narrow."""
+    if columns < 3 or columns % 2 == 0:
+        raise InputError(f"--columns {columns}: an odd number, 3 at least")
+    if pixels / columns < _NARROWEST:
+        raise InputError(
+            f"--columns {columns}: on {pixels:.0f} px each, two particles wide, would have "
+            f"{pixels / columns:.2g} px; {_NARROWEST} px at least: take fewer"
+        )
+
+
+def layer_height(settings: Settings) -> float | None:
+    """Height of the layers to draw [m]; InputError for one that is none, or without a scale."""
+    if settings.layer_height is None:
+        return None
+    height = to_si(settings.layer_height, "m", "--layer-height")
+    if not height > 0:
+        raise InputError(f"--layer-height {settings.layer_height!r}: must be above 0")
+    if settings.scale is None and settings.width is None:
+        raise InputError("--layer-height: needs a scale: --scale '0.8 mm/px' or --width")
+    return height
 
 
 def find_silo(film: Film, seen: Survey, roi: Roi, scale: str | None, width: str | None) -> Silo:

@@ -12,13 +12,12 @@ from calibration.drop.bounce import STANDARD_GRAVITY
 from calibration.flow.discharge import Crossing, Opening, Plausible
 from calibration.flow.layers import Band, Lines, Profile, drawn_bands, of_bands, painted_bands
 from calibration.flow.result import Curve, Flow
-from calibration.flow.silo import Settings, Silo
+from calibration.flow.silo import Settings, Silo, layer_height
 from calibration.flow.survey import CLEAR, Grey, Survey, Tones, clock_warnings, find_tones, to_grey
 from calibration.flow.tracers import Points, Steps, Tracers, material_mask, outlet_columns, seeds
 from calibration.flow.velocity import Velocities
 from calibration.statistics.uncertainty import Estimate
 from calibration.tracking.film.reader import Film, Picture
-from granulab.contact.files.units import to_si
 from granulab.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -105,10 +104,7 @@ class Watch:
 
     def _bands(self, labels: NDArray[np.int64], start: NDArray) -> list[Band]:
         bands = painted_bands(labels, self.silo, self.mask, self.particle)
-        if self.settings.layer_height is not None:
-            height = to_si(self.settings.layer_height, "m", "--layer-height")
-            if self.silo.unit != "m":
-                raise InputError("--layer-height: needs a scale: --scale '0.8 mm/px' or --width")
+        if (height := layer_height(self.settings)) is not None:
             bands = drawn_bands(self.silo, height / self.silo.scale.value, start[:, 1].min())
         return bands or [Band(self.silo.top, self.silo.outlet, -1)]
 

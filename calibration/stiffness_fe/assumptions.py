@@ -2,7 +2,8 @@
 
 Each row has one change, with half as many columns and load steps and with few profiles, the same
 for all rows: what differs between rows is the change. For the uncertainty that all assumptions make
-together the larger change of each counts as its standard uncertainty.
+together the larger change of each counts as its standard uncertainty. A change of which no test
+comes to its end has no values, and does not count.
 """
 
 from collections.abc import Callable
@@ -15,6 +16,7 @@ from calibration.stiffness_fe.blocks import Array
 from calibration.stiffness_fe.measure import Found, Progress, one_test
 from calibration.stiffness_fe.protocol import Case, Load
 from calibration.stiffness_fe.surfaces import Paths, Waves
+from granulab.errors import InputError
 
 _PROFILES = 4
 
@@ -39,12 +41,17 @@ class Values(NamedTuple):
 
 @dataclass(frozen=True)
 class Row:
-    """One change, and the values with it. assumed: the paper does not give it."""
+    """One change, and the values with it.
+
+    assumed    the paper does not give it
+    values     None where a test came to no end; reason: why
+    """
 
     what: str
     change: str
     assumed: bool
-    values: Values
+    values: Values | None
+    reason: str = ""
 
 
 Change = Callable[[Setting], Setting]
@@ -55,29 +62,40 @@ def vary(setting: Setting, seed: int, progress: Progress) -> list[Row]:
     rows = []
     for what, change, assumed, changed in _changes(setting):
         progress(f"assumptions: {what}, {change}" if change else "assumptions")
-        rows.append(Row(what, change, assumed, _values(changed(setting), seed)))
+        try:
+            rows.append(Row(what, change, assumed, _values(changed(setting), seed)))
+        except InputError as error:
+            rows.append(Row(what, change, assumed, None, str(error)))
+            if len(rows) == 1:  # with nothing that a change could be compared with
+                break
     return rows
 
 
 def applied(found: Found, rows: list[Row]) -> Found:
-    """Result whose ratios have the uncertainty that all assumptions make together."""
+    """Result whose ratios have the uncertainty that all assumptions make together.
+
+    As it was, where the test with nothing changed came to no end.
+    """
+    if (sigma := together(rows)) is None:
+        return found
     assert found.flat is not None
     assert found.rough is not None
     assert found.stress is not None
-    sigma = together(rows)
     flat = replace(found.flat, ratio=found.flat.ratio.with_assumed(sigma.flat))
     rough = replace(found.rough, ratio=found.rough.ratio.with_assumed(sigma.rough))
     return replace(found, flat=flat, rough=rough, stress=found.stress.with_assumed(sigma.stress))
 
 
-def together(rows: list[Row]) -> Values:
-    """Standard uncertainty of each value by all that is assumed."""
-    base, *others = (np.array(row.values) for row in rows)
+def together(rows: list[Row]) -> Values | None:
+    """Standard uncertainty of each value by all that is assumed; None without any change."""
+    base = rows[0].values
     largest: dict[str, Array] = {}
-    for row, values in zip(rows[1:], others, strict=True):
-        if row.assumed:
-            change = np.abs(values - base)
+    for row in rows[1:]:
+        if base and row.assumed and row.values:
+            change = np.abs(np.subtract(row.values, base))
             largest[row.what] = np.maximum(largest.get(row.what, 0.0), change)
+    if not largest:
+        return None
     return Values(*np.sqrt(sum(change**2 for change in largest.values())))
 
 
@@ -160,5 +178,8 @@ def _material(setting: Setting, **changes: object) -> Setting:
 
 
 def _waves(setting: Setting, **changes: object) -> Setting:
+    """Another made surface, of which the waves that both have are alike."""
     assert isinstance(setting.surface, Waves)
-    return replace(setting, surface=replace(setting.surface, **changes))  # type: ignore[arg-type]
+    waves = int(setting.surface.numbers(setting.case.width)[-1])
+    surface = replace(setting.surface, drawn=waves, **changes)  # type: ignore[arg-type]
+    return replace(setting, surface=surface)

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 # Journal sec. 3.2.2: kt/kn and its spread; "(2.8 +- 0.09)" of the flat one is 0.28 (errata)
 PRINTED = {"flat": (0.28, 0.09), "rough": (0.065, 0.04)}
+_VALUES = "kt_over_kn_flat", "kt_over_kn_rough", "normal_stress_rough_over_flat"
 PRINTED_STRESS = 0.5  # "typically by 50 %"
 
 
@@ -53,8 +54,8 @@ class Stiffness:
             "normal_stress_rough_over_flat": stress,
             "assumptions": [
                 {"what": row.what, "change": row.change, "assumed": row.assumed,
-                 "kt_over_kn_flat": row.values.flat, "kt_over_kn_rough": row.values.rough,
-                 "normal_stress_rough_over_flat": row.values.stress}
+                 **dict(zip(_VALUES, row.values or [None] * len(_VALUES), strict=True)),
+                 "reason": row.reason or None}
                 for row in self.rows
             ],
             "kt_n_per_m": as_pair(self.kt),
@@ -133,9 +134,10 @@ def _varied(rows: Sequence[Row]) -> list[str]:
     """The table of what was changed."""
     lines = [f"{'changed':24}{'to':20}{'flat':>8}{'rough':>8}{'stress':>8}"]
     for row in rows:
-        values = (row.values.flat, row.values.rough, row.values.stress)
         given = "" if row.assumed else "  given"
-        shown = "".join(f"{value:8.3f}" for value in values)
+        shown = f"    no test came to its end, not in sigma: {row.reason}"
+        if row.values is not None:
+            shown = "".join(f"{value:8.3f}" for value in row.values)
         lines.append(f"{row.what:24}{row.change:20}{shown}{given if row.change else ''}".rstrip())
     return [
         *lines,

@@ -21,6 +21,7 @@ from calibration.stiffness_fe.surfaces import Paths, Waves, read_paths
 from granulab.contact.files.units import to_si
 from granulab.errors import InputError
 
+PROFILES = 8  # pairs of them, drawn by chance
 _FRICTION = {"flat": 0.37, "rough": 0.2}  # sec. 3.2.2
 _AMPLITUDE = 100e-6  # m, across the fibres (sec. 3.2.1), taken from valley to summit
 _RA = _AMPLITUDE / math.pi  # Ra of a sine of that range, thesis eq. 7.1
@@ -40,6 +41,7 @@ def read_setting(given: Mapping[str, Any]) -> tuple[Setting, float]:
     flat, rough = (_load(given, name) for name in ("flat", "rough"))
     for load in (flat, rough):
         _check_travel(load, case)
+    _refuse_of_rough(given)
     surface = _surface(given, case)
     if given["surface"] != "flat":
         _check_surface(surface, case)
@@ -67,6 +69,23 @@ def _load(given: Mapping[str, Any], surface: str) -> Load:
         for key, default in (("across", table.across), ("along", table.along))
     )
     return Load(friction, across, along)
+
+
+def _refuse_of_rough(given: Mapping[str, Any]) -> None:
+    """Raise InputError for an option of rough surfaces where only the flat contact is tested."""
+    options = {"profiles": "profile", "columns": "column"} | {
+        key: key.replace("_", "-") for key in ("roughness", "wavelength", "random_profiles")
+    }
+    if given["surface"] == "flat":
+        for key, flag in options.items():
+            if given[key] not in (None, ()):
+                raise InputError(
+                    f"--{flag}: of rough surfaces, and --surface is flat: leave it out"
+                )
+    if given["columns"] and not given["profiles"]:
+        raise InputError(
+            "--column: names one of a measured profile: give --profile, or leave it out"
+        )
 
 
 def _surface(given: Mapping[str, Any], case: Case) -> Waves | Paths:

@@ -25,22 +25,27 @@ Array = NDArray[np.float64]
 class Waves:
     """Mean roughness Ra (thesis eq. 7.1), shortest and longest wavelength [m] (None: the width).
 
-    one_sided: only the lower surface is rough.
+    one_sided: only the lower surface is rough. drawn: of a surface that varies another one, how
+    many waves that one has; those that both have are alike.
     """
 
     ra: float
     wavelength: float
     longest: float | None = None
     one_sided: bool = False
+    drawn: int | None = None
 
     def draw(self, x: Array, period: bool, rng: np.random.Generator) -> tuple[Array, Array]:
         """Heights z(x) [m] of the lower and the upper surface, (n,) each, about their means."""
-        width = float(np.ptp(x))
-        numbers = self._numbers(width)
-        lower = self._one(x, numbers, rng)
-        return lower, np.zeros_like(x) if self.one_sided else -self._one(x, numbers, rng)
+        numbers = self.numbers(float(np.ptp(x)))
+        first = self.drawn or int(numbers[-1])
+        phases = rng.uniform(0, 2 * np.pi, (2, first))
+        more = rng.uniform(0, 2 * np.pi, (2, max(int(numbers[-1]) - first, 0)))
+        low, up = np.concatenate([phases, more], axis=1)[:, numbers - 1]
+        lower = self._one(x, numbers, low)
+        return lower, np.zeros_like(x) if self.one_sided else -self._one(x, numbers, up)
 
-    def _numbers(self, width: float) -> NDArray[np.int64]:
+    def numbers(self, width: float) -> NDArray[np.int64]:
         """Numbers of waves that fit on the width."""
         rounding = 1e-9
         first = int(np.ceil(width / (self.longest or width) - rounding))
@@ -52,8 +57,7 @@ class Waves:
             )
         return numbers
 
-    def _one(self, x: Array, numbers: NDArray[np.int64], rng: np.random.Generator) -> Array:
-        phases = rng.uniform(0, 2 * np.pi, len(numbers))
+    def _one(self, x: Array, numbers: NDArray[np.int64], phases: Array) -> Array:
         width = float(np.ptp(x))
 
         def waves(at: Array) -> Array:

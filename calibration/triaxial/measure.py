@@ -10,11 +10,11 @@ from calibration.bench.compression import Branch
 from calibration.result import checked
 from calibration.statistics.correlated import propagated
 from calibration.statistics.uncertainty import Estimate
-from calibration.tracking.film.reader import Progress, frame_rate, open_film
+from calibration.tracking.film.reader import Progress, frame_rate, open_film, said_rate
 from calibration.tracking.film.stamps import clean_stamps
 from calibration.tracking.track import Array
 from calibration.triaxial.blocks import Line, relative
-from calibration.triaxial.load import load_at
+from calibration.triaxial.load import read_record
 from calibration.triaxial.markers import Dots, follow
 from calibration.triaxial.result import Setting, Triaxial
 from calibration.triaxial.stiffness import Slopes, slopes
@@ -62,10 +62,13 @@ def measure_triaxial(
             f"--inclination: {np.degrees(angle.value):.3g} degrees: above 0, where nothing is "
             "sheared, and below 60, where blocks slide: tan(alpha) is below the friction"
         )
+    _refuse_load_line(load_line, opened.width)
+    said_rate(fps)
+    record = read_record(load)
     dots = follow(opened, progress)
     moved = relative(dots, line, str(film))
     setting = Setting(line, angle, scale, load_line)
-    force = load_at(load, dots.frame, _times(dots, opened.rate, fps, film), offset)
+    force = record.at(dots.frame, _times(dots, opened.rate, fps, film), offset)
     seen = np.stack([moved.x, moved.y, moved.rotation, moved.mean_x, moved.mean_y])
     fitted = slopes(force, seen, branch, str(film))
     values = _stiffness(fitted, setting)
@@ -87,6 +90,14 @@ def _line(contact: Sequence[float], width: int, height: int) -> Line:
     return Line(ends)
 
 
+def _refuse_load_line(x: float | None, width: int) -> None:
+    if x is not None and not 0 <= x < width:
+        raise InputError(
+            f"--load-line {x:g}: x of the line along which the load acts, within the picture: 0 to "
+            f"below {width} px"
+        )
+
+
 def _times(dots: Dots, rate: float | None, fps: float | None, film: str | Path) -> Array | None:
     """Times of the frames [s], None where no rate is known."""
     if fps is not None:
@@ -100,9 +111,7 @@ def _stiffness(fitted: Slopes, setting: Setting) -> dict[str, Estimate]:
     """NAMES [N/m], and what the moment does; sigma of noise, inclination and scale."""
     angle, scale = setting.inclination, setting.scale
     values = np.array([*fitted.value, angle.value, scale.value])
-    covariance = np.zeros((len(values), len(values)))
-    covariance[:5, :5] = fitted.covariance
-    covariance[5, 5], covariance[6, 6] = (angle.sigma or 0.0) ** 2, (scale.sigma or 0.0) ** 2
+    read = np.diag(np.square([0.0] * 5 + [angle.sigma or 0.0, scale.sigma or 0.0]))
 
     def quantities(q: Array) -> Array:
         alpha, length = q[5], q[6]
@@ -114,18 +123,21 @@ def _stiffness(fitted: Slopes, setting: Setting) -> dict[str, Estimate]:
         kn, kt, kn_left, kt_left = found
         return np.array([kn, kt, kt / kn, kn_left, kt_left])
 
-    known, spread = propagated(values, covariance, quantities)
-    sigma = np.sqrt(np.diag(spread))
-    found = {
+    found = [
+        propagated(values, np.pad(one, (0, 2)) + read, quantities) for one in fitted.covariances
+    ]
+    known, sigma = found[0][0], np.sqrt(np.max([np.diag(spread) for _, spread in found], axis=0))
+    stiff = {
         name: Estimate(float(v), float(s), len(fitted.branches))
         for name, v, s in zip(NAMES, known, sigma, strict=True)
     }
-    return found | _moment(fitted, setting)
+    return stiff | _moment(fitted, setting)
 
 
 def _moment(fitted: Slopes, setting: Setting) -> dict[str, Estimate]:
     """Rotation per load [rad/N], and with a line of load: its lever [m], stiffness [N m/rad]."""
-    turn, turn_sigma = float(fitted.value[2]), float(np.sqrt(fitted.covariance[2, 2]))
+    turn = float(fitted.value[2])
+    turn_sigma = float(np.sqrt(max(one[2, 2] for one in fitted.covariances)))
     trials = len(fitted.branches)
     found = {"rotation_per_load": Estimate(turn, turn_sigma, trials)}
     if setting.load_line is None:
@@ -168,6 +180,11 @@ def _warnings(found: Triaxial) -> list[str]:
             f"the blocks rotate: the contact's ends move by {ends / across:.1f} of its middle's "
             "approach as the load falls: a contact moment bends it, and kn and kt are those of a "
             "contact that is not pressed evenly (sec. 3.2)"
+        )
+    if len(found.fitted.branches) == 1:
+        said.append(
+            "one unloading: sigma is that of its frames' noise; how far unloadings differ is not "
+            "known"
         )
     if found.setting.load_line is None:
         said.append("the contact moment is not known: give --load-line, where the load acts")

@@ -4,7 +4,7 @@
 
 alpha is the contact's inclination to the horizontal, F the vertical load. The unloading branches
 are taken as elastic, as in sec. 3.2.1. The load is known far better than the displacement: lines
-are fitted as displacement against load, one slope, a level of its own for each branch.
+are fitted as displacement against load, one for each branch, and their mean slope is taken.
 """
 
 from dataclasses import dataclass
@@ -23,19 +23,19 @@ _FEWEST = 4  # frames of a branch: two give its line
 
 @dataclass(frozen=True)
 class Slopes:
-    """Changes per load of several displacements, one slope for all branches.
+    """Changes per load of several displacements, in the mean over all branches.
 
-    value        (c,) [unit of the displacement/N]; covariance (c, c)
+    value        (c,) [unit of the displacement/N]
+    covariances  (c, c) each: of the noise of frames, and of the scatter of several unloadings,
+                 which holds that noise as far as few unloadings show it: the larger one counts
     branches     frames of each unloading that was fitted
-    levels       (b, c) where the lines of each branch cross zero load
-    noise        (c,) of one frame
+    levels       (b, c) where a line of that slope through each branch crosses zero load
     """
 
     value: Array
-    covariance: Array
+    covariances: list[Array]
     branches: list[Rows]
     levels: Array
-    noise: Array
 
 
 def slopes(load: Array, seen: Array, branch: Branch, where: str) -> Slopes:
@@ -66,20 +66,32 @@ def slopes(load: Array, seen: Array, branch: Branch, where: str) -> Slopes:
 
 
 def _fitted(load: Array, seen: Array, rows: list[Rows]) -> Slopes:
+    """The mean of the unloadings' own lines; each counts once, as they differ beyond noise."""
+    lines: list[Array] = [
+        np.asarray(np.polynomial.polynomial.polyfit(load[one], seen[:, one].T, 1), dtype=float)
+        for one in rows
+    ]
+    own: Array = np.array([line[1] for line in lines])
+    value = own.mean(axis=0)
+    covariances = [_of_frames(load, seen, rows, lines)]
+    if len(rows) > 1:
+        scatter = student(len(rows) - 1) ** 2 * np.cov(own, rowvar=False) / len(rows)
+        covariances.append(np.asarray(scatter, dtype=float))
+    levels: Array = np.array([
+        seen[:, one].mean(axis=1) - value * load[one].mean() for one in rows
+    ])  # fmt: skip
+    return Slopes(value, covariances, rows, levels)
+
+
+def _of_frames(load: Array, seen: Array, rows: list[Rows], lines: list[Array]) -> Array:
+    """(c, c) covariance of the lines' mean slope, from the residuals of the frames alone."""
+    left = np.full(seen.shape, np.nan)
+    variance = 0.0  # of the mean slope, for one of a frame
+    for one, (level, slope) in zip(rows, lines, strict=True):
+        left[:, one] = seen[:, one] - level[:, None] - slope[:, None] * load[one]
+        variance += 1 / float(np.sum((load[one] - load[one].mean()) ** 2)) / len(rows) ** 2
     every = np.concatenate(rows)
-    design = np.zeros((len(every), 1 + len(rows)))
-    design[:, 0] = load[every]
-    first = 0
-    for k, one in enumerate(rows):
-        design[first : first + len(one), 1 + k] = 1.0
-        first += len(one)
-    found: Array = np.asarray(np.linalg.lstsq(design, seen[:, every].T, rcond=None)[0], dtype=float)
-    left = seen[:, every].T - design @ found
-    freedom = len(every) - design.shape[1]
-    inverse = float(np.linalg.inv(design.T @ design)[0, 0])
-    noise: Array = np.asarray(left.T @ left / freedom, dtype=float)
-    residuals = np.full(seen.shape, np.nan)
-    residuals[:, every] = left.T
-    wider = np.array([student(freedom) ** 2 * for_correlation(one, rows) for one in residuals])
-    covariance = np.asarray(noise * np.sqrt(np.outer(wider, wider)) * inverse, dtype=float)
-    return Slopes(found[0], covariance, rows, found[1:], np.sqrt(np.diag(noise)))
+    freedom = len(every) - 2 * len(rows)
+    wider = np.array([student(freedom) ** 2 * for_correlation(one, rows) for one in left])
+    noise = left[:, every] @ left[:, every].T / freedom
+    return np.asarray(noise * np.sqrt(np.outer(wider, wider)) * variance, dtype=float)

@@ -50,7 +50,7 @@ def impact(
 
     For example: damper3d impact --material alumina --speed 3.9 --angle 40
     """
-    from damper3d.studies.single_contact.spheres.impact import run
+    from damper3d.studies.single_contact.spheres.impact import doubts, run
     from damper3d.studies.single_contact.spheres.impact_input import impact_of
 
     flags = {"tangential_damping": not no_tangential_damping, "yielding": yielding}
@@ -58,8 +58,13 @@ def impact(
     if not quiet:
         click.echo("\n".join([*remarks, _echo(described, against)]), err=True)
     outcome = run(described)
+    warnings = doubts(described, outcome)
+    if not quiet:
+        for line in warnings:
+            click.echo(f"warning: {line}", err=True)
     if as_json:
-        click.echo(json.dumps(_used(described) | outcome.as_json(), indent=2))
+        found = _used(described) | outcome.as_json() | {"warnings": warnings}
+        click.echo(json.dumps(found, indent=2))
     else:
         click.echo(_report(outcome))
 

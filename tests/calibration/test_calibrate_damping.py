@@ -156,6 +156,23 @@ def test_bad_input_is_one_line_and_exit_code_2(arguments, line, tmp_path, monkey
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("pairs", "line"),
+    [
+        (["wood"], "[pair.wood] a pair is named by two materials"),
+        (["wood-steel-wood"], "[pair.wood-steel-wood] a pair is named by two materials"),
+        (["wood-"], "a pair is named by two materials"),
+        (["wood-steel", "steel-wood"], "is given again as steel-wood; leave one out"),
+    ],
+)
+def test_pairs_named_wrongly_or_twice_are_not_reported(pairs, line, tmp_path):
+    """As a simulator refuses them; one of two entries would count, and nobody knows which."""
+    file = tmp_path / "new.toml"
+    tables = "".join(f"[pair.{names}]\nfriction = 0.3\n" for names in pairs)
+    file.write_text(f"schema = 1\n{tables}", encoding="utf-8")
+    assert_refused(calibrate("report", file), line)
+
+
 def test_a_file_that_is_not_there_cannot_be_reported():
     result = calibrate("report", "wod")
     assert result.code == 2

@@ -298,6 +298,23 @@ def test_bad_options_are_one_line(filmed, options, word):
         (["--fps", "-5", "--collapse"], "from 1 to"),
         (["--scale", "-1 mm/px", "--collapse"], "positive"),
         (["--fps", "3"], "--interval 0.25 s"),
+        (["--layer-height", "20 mm"], "--layer-height: needs a scale"),
+        (["--width", "80 mm", "--layer-height", "0 mm"], "must be above 0"),
+        (["--width", "80 mm", "--layer-height", "-5 mm"], "must be above 0"),
+        (["--width", "80 mm", "--layer-height", "5 apples"], "--layer-height"),
+        (["--columns", "4"], "--columns 4"),
+        (["--columns", "100001"], "--columns 100001: on 80 px"),
+        (["--columns", "21", "--roi", "10,10,50,50"], "--columns 21: on 50 px"),
+        *(
+            (["--collapse", *option], f"{option[0]}: --collapse does not take it")
+            for option in (
+                ["--width", "80 mm"],
+                ["--interval", "0.1 s"],
+                ["--columns", "11"],
+                ["--layer-height", "20 mm"],
+                ["--no-velocity"],
+            )
+        ),
         (["--out", "FILE/under"], "--out"),
     ],
 )

@@ -203,11 +203,17 @@ def test_combinations_keep_the_scatter_of_single_trials():
 
 
 def test_priors_have_unit_width_and_end_where_they_say():
-    for one in (FRICTION, DAMPING, prior("a", "normal", 5.0, 2.0)):
+    cut = prior("a", "normal", 0.4, 0.2, min=0.35, max=0.8)
+    flat = [prior("a", "normal", mean, 1e5, min=0.1, max=0.8) for mean in (0.4, 2e5)]
+    for one in (FRICTION, DAMPING, prior("a", "normal", 5.0, 2.0), cut, *flat):
         x = one.quantile(np.linspace(0, 1, 20001))
         assert x.std() == pytest.approx(one.sd, rel=1e-3)
         assert one.share(x) == pytest.approx(np.linspace(0, 1, 20001), abs=1e-9)
-    assert FRICTION.ends == pytest.approx((0.1, 0.8))
+    for one in (FRICTION, *flat):  # of so wide a normal prior nothing but min and max counts
+        assert one.ends == pytest.approx((0.1, 0.8))
+        values = one.value(one.quantile(np.linspace(0, 1, 20001)))
+        assert values.std() == pytest.approx(0.7 / 12**0.5, rel=1e-3)
+        assert len(np.unique(one.value(first_points((one,), 10, 1)))) == 10
     assert DAMPING.ends == pytest.approx((0.4, 1.6))  # three standard deviations
 
 

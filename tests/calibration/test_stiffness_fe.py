@@ -1,6 +1,7 @@
 """calibrate stiffness-fe: surfaces, the paper's markers, uncertainties, the command, bad input."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,12 +12,14 @@ from hypothesis import strategies as st
 
 from calibration.bench.roughness import of_profile
 from calibration.statistics.uncertainty import of_trials
-from calibration.stiffness_fe import markers
+from calibration.stiffness_fe import assumptions, markers
 from calibration.stiffness_fe.blocks import Elastic
 from calibration.stiffness_fe.contact import SLIDE, STICK, solve_contact
-from calibration.stiffness_fe.measure import measure, one_test
+from calibration.stiffness_fe.measure import Found, measure, one_test
 from calibration.stiffness_fe.protocol import Case, Load
+from calibration.stiffness_fe.result import Stiffness
 from calibration.stiffness_fe.surfaces import Paths, Waves, first_touch
+from granulab.errors import InputError
 
 SMALL = ("--mesh", "40", "--wavelength", "2 mm", "--random-profiles", "2")
 WIDTH = 10e-3
@@ -35,6 +38,46 @@ def test_made_surfaces_have_their_ra_and_are_the_same_on_any_mesh():
     _, coarse, _ = draw(Waves(30e-6, 1e-3), 100)
     np.testing.assert_allclose(lower[::4], coarse, atol=1e-12)
     assert np.abs(np.fft.rfft(lower[:-1])[11:]).max() < 1e-9  # nothing shorter than 1 mm
+
+
+@pytest.mark.parametrize("change", [
+    {"wavelength": 0.5e-3}, {"wavelength": 2e-3}, {"longest": 2e-3}, {"ra": 60e-6},
+])  # fmt: skip
+def test_a_varied_surface_keeps_the_waves_of_the_one_that_it_varies(change):
+    """Phases of the waves that both have, of the lower and of the upper surface."""
+    base = Waves(30e-6, 1e-3)
+    other = replace(base, drawn=int(base.numbers(WIDTH)[-1]), **change)
+    (_, *ours), (_, *theirs) = (draw(one, 160) for one in (base, other))
+    shared = np.intersect1d(base.numbers(WIDTH), other.numbers(WIDTH))
+    for first, second in zip(ours, theirs, strict=True):
+        phases = [np.angle(np.fft.rfft(one[:-1])[shared]) for one in (first, second)]
+        np.testing.assert_allclose(*phases, atol=1e-9)
+
+
+def test_a_change_whose_test_comes_to_no_end_is_left_out(monkeypatch):
+    """Of nine changes one fails: the others and their sigma stand; without a base none counts."""
+    load = Load(0.2, 6e-5, 6e-5)
+    case = Case(Elastic(242e6, 0.2), WIDTH, WIDTH, 0.12, columns=40, steps=6)
+    setting = assumptions.Setting(case, load, load, Waves(30e-6, 2e-3))
+
+    def values(height, free):
+        def found(changed, seed):
+            if changed.case.height == height:
+                raise InputError("no state of the contacts is found")
+            return assumptions.Values(0.3, 0.2, 0.5 + free * (changed.case.sides == "free"))
+
+        return found
+
+    monkeypatch.setattr(assumptions, "_values", values(WIDTH / 2, 0.1))
+    rows = assumptions.vary(setting, 1, lambda words: None)
+    (failed,) = [row for row in rows if row.values is None]
+    assert (failed.what, failed.change) == ("height of each block", "half")
+    assert failed.reason == "no state of the contacts is found"
+    assert assumptions.together(rows).stress == pytest.approx(0.1)
+    assert "not in sigma: no state" in Stiffness(Found(case, None, None, None), rows).text()
+    monkeypatch.setattr(assumptions, "_values", values(WIDTH, 0.1))
+    found = Found(case, None, None, None)
+    assert assumptions.applied(found, assumptions.vary(setting, 1, lambda words: None)) is found
 
 
 def test_one_rough_surface_faces_a_flat_one():
@@ -190,6 +233,14 @@ def test_what_was_assumed_is_varied_and_counts(tmp_path):
         (["--profile", "none.csv"], "none.csv"),
         (["--profile", "a.csv", "--roughness", "10 um"], "--roughness is of a made surface"),
         (["--kn", "0 N/mm"], "--kn = 0 N/m: must be more than 0"),
+        *(
+            (["--surface", "flat", option, value], f"{option}: of rough surfaces")
+            for option, value in (
+                ("--roughness", "30 um"), ("--wavelength", "1 mm"), ("--profile", "p.csv"),
+                ("--random-profiles", "8"), ("--column", "z=Height [um]"),
+            )
+        ),
+        (["--column", "z=Height [um]"], "--column: names one of a measured profile"),
         (["--pair", "wood-wood"], "--into wood.toml"),
         (["--into", "new.toml", "--pair", "wood-wood"], "--into: kt = (kt/kn) kn: give kn"),
     ],

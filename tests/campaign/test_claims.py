@@ -70,11 +70,15 @@ def holds(rule, made, **limits):
     ("extreme", {"least": {"x": 2}, "need": 3}, items(2.0, 1.0, 3.0), items(1.0, 2.0, 3.0)),
     ("extreme", {"largest": {"x": 3}}, items(2.0, 1.0, 3.0), items(5.0, 2.0, 3.0)),
     ("ratio", {"at_most": 1.5}, items(1.0, 1.5), items(1.0, 1.6)),
+    ("ratio", {"at_most": 1.5}, items(1.0, 1.2), items(-1.0, 3.0)),
+    ("ratio", {"at_most": 1.5}, items(1.0, 1.2), items(0.0, 3.0)),
     ("ratio", {"at_most": 1.5, "per": ["g"]},
      items(1.0, 1.4, 10.0, 11.0, g=[1, 1, 2, 2]), items(1.0, 1.4, 10.0, 16.0, g=[1, 1, 2, 2])),
     ("compared", {"printed": 0.64, "within": 0.01}, items(0.635), items(0.62)),
     ("compared", {"printed": 2, "within": "noise"},
      items(1.9, noise=[0.2]), items(1.9, noise=[0.05])),
+    ("compared", {"printed": 2, "within": "noise", "telling": 0.1},
+     items(1.95, noise=[0.1]), items(1.7, noise=[0.2])),
     ("compared", {"printed": 3, "factor": 1.5}, items(2.1, 4.4), items(1.9)),
     ("compared", {"printed": 0.8, "within": 0.1, "mean": True}, items(0.6, 0.9), items(0.6, 0.7)),
     ("compared", {"printed": "x", "interval": ["a", "b", "c", "d"]},
@@ -91,9 +95,14 @@ def test_rule_holds_of_made_items_and_fails_of_others(rule, limits, right, wrong
     ("each", {"above": 0, "need": 3}, items(1.0, 2.0)),
     ("steps", {"along": "x", "way": "rises"}, items(1.0, NAN)),
     ("ordered", {"first": {"x": 2}, "way": "above", "second": {"x": [1, 3]}}, items(1.0, 2.0)),
+    ("ordered", {"first": {"x": [1, 2]}, "way": "above", "second": {"x": [3, 4]}},
+     pd.DataFrame({"x": [1, 1, 3, 3], "value": [2.0, 2.0, 1.0, 1.0]})),  # two of one are not two
     ("extreme", {"least": {"x": 9}}, items(1.0, 2.0)),
     ("ratio", {"at_most": 1.5, "need": 3}, items(1.0, 1.2)),
+    ("ratio", {"at_most": 1.5}, items(0.0, 0.0)),
     ("compared", {"printed": 1.0, "within": 0.1}, items(NAN)),
+    ("compared", {"printed": 2, "within": "noise"}, items(1.9, noise=[NAN])),
+    ("compared", {"printed": 2, "within": "noise", "telling": 0.1}, items(1.95, noise=[0.2])),
 ])  # fmt: skip
 def test_too_few_or_too_noisy_items_are_not_judged(rule, limits, made):
     assert holds(rule, made, **limits) is None

@@ -120,6 +120,20 @@ def test_slope_of_a_line_is_exact_but_for_the_rounding_of_its_points():
     assert printed.error == pytest.approx(0.1 / math.sqrt(12) / math.sqrt(5))
 
 
+@pytest.mark.parametrize("y", [[0.3, 0.3, 0.3], [0.3, 0.1 + 0.2, 0.3]])
+def test_slope_of_like_values_is_none_within_rounding(y):
+    flat = slope([0.0, 1.0, 2.0], y)
+    assert flat is not None
+    assert abs(flat.value) < flat.half_width < 1e-11
+
+
+def test_intervals_that_hold_together_are_wider():
+    """Bonferroni: ten at 99.5 % each; t(8) of 0.9975 is 3.833, of 0.975 2.306 (any table)."""
+    one = slope([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], [0, 1, 0, 1, 0, 1, 0, 1, 0, 1])
+    assert one is not None
+    assert one.half_width_among(10) / one.half_width == pytest.approx(3.833 / 2.306, rel=1e-3)
+
+
 def test_no_slope_of_two_points_or_of_one_abscissa():
     assert slope([1.0, 2.0], [1.0, 2.0]) is None
     assert slope([1.0, 1.0, 1.0], [1.0, 2.0, 3.0]) is None

@@ -50,6 +50,17 @@ def test_impact_says_which_constants_it_took():
     assert "normal restitution       1.0000" in result.stdout
 
 
+def test_an_overlap_that_hertz_does_not_hold_for_is_said():
+    """Above a twentieth of the radius: acrylic at 60 m/s; it grows as v^0.8 (eq. 5.8)."""
+    deep, usual = (result("--speed", speed) for speed in ("60", "3.9"))
+    assert usual["warnings"] == []
+    (line,) = deep["warnings"]
+    part = deep["max_overlap_m"] / 2.5e-3
+    assert line.startswith(f"the overlap is {part:.2g} of the radius")
+    said = CliRunner().invoke(impact, ["--speed", "60"])
+    assert f"warning: {line}" in said.stderr
+
+
 def test_other_material_as_the_wall():
     """A soft wall makes the contact longer than a rigid one; both bodies' compliances add."""
     rigid, steel, acrylic = (
@@ -67,6 +78,7 @@ def test_other_material_as_the_wall():
         (["--speed", "nan"], "speed = nan"),
         (["--speed", "3 kg"], "speed = '3 kg'"),
         (["--radius", "2.5"], "radius = '2.5'"),
+        (["--speed", "1e5"], "speed = 100000 m/s: an overlap of"),
         (["--restitution", "1.2"], "restitution = 1.2: must be above 0 and at most 1"),
         (["--friction", "-1"], "friction = -1: must be at least 0"),
         (["--tangential", "linear"], "tangential = 'linear': takes displacement, force"),

@@ -178,7 +178,7 @@ def test_table_is_read_back_to_the_last_bit_with_its_head(made, tmp_path):
     assert read.bed_mass == field.bed_mass
 
 
-_LINE = "20,1,0.001,0.03,,0.0,,0.03,1"
+_LINE = "20,1,0.000621,0.03,,0.0,,0.03,1"
 
 
 @pytest.mark.parametrize(
@@ -191,7 +191,17 @@ _LINE = "20,1,0.001,0.03,,0.0,,0.03,1"
         ([",".join(COLUMNS), _LINE[:-2]], ["line 2 has 8 values, its head 9"]),
         ([",".join(COLUMNS), _LINE.replace("20,", "x,", 1)], ["line 2: frequency_hz = 'x'"]),
         ([",".join(COLUMNS), _LINE.replace("20,", "-2,", 1)], ["frequency_hz = -2: must be above"]),
-        ([",".join(COLUMNS), _LINE, "20,2,0.001,0.03,,0.0,,0.04,1"], ["fields of two beds"]),
+        ([",".join(COLUMNS), _LINE, "20,2,0.001242,0.03,,0.0,,0.04,1"], ["fields of two beds"]),
+        ([",".join(COLUMNS), _LINE[:-1] + "1.5"], ["line 2: seeds = 1.5: a whole number"]),
+        ([",".join(COLUMNS), _LINE.replace(",,", ",-1,", 1)], ["half_width_kg = -1: must not be"]),
+        (
+            [",".join(COLUMNS), _LINE.replace("0.000621", "0.621")],
+            ["amplitude_m = 0.621", "0.00062"],
+        ),
+        (
+            [",".join(COLUMNS), _LINE.replace(",0.0,", ",-0.01,")],
+            ["-0.01: below 0 a bed would give"],
+        ),
     ],
 )
 def test_tables_that_are_none_are_refused_in_one_line(tmp_path, lines, words):

@@ -27,7 +27,7 @@ from damper3d.studies.quasistatic.claims import verdicts as judged
 from damper3d.studies.quasistatic.measure import Result
 from damper3d.studies.quasistatic.report import report
 from damper3d.studies.quasistatic.rig import BASE, BOTTOM_SIDE, TABLE, TOP_SIDE, Halves
-from damper3d.studies.quasistatic.shapes import by_shape, scatter_of
+from damper3d.studies.quasistatic.shapes import HOLES, SPHEROIDS, by_shape, scatter_of
 from granulab.campaign.output.results import read_results
 from granulab.campaign.runs.folder import RunFolder, open_run
 from granulab.errors import InputError
@@ -260,6 +260,11 @@ def test_compression_stiffens_from_the_preload_on(undisturbed):
         ({"gap": "6 mm"}, "--gap 6 mm: particles"),
         ({"distance": "6 mm"}, "--distance 6 mm: opens a crescent"),
         ({"at": "0.5 mm"}, "--at 0.5 mm: beyond the distance of 0.4 mm"),
+        ({"kind": "compress", "distance": "30 mm"}, "--distance 30 mm: all voids"),
+        ({"half_height": "500 mm"}, "--count 36: a bed of .* does not reach the top half"),
+        ({"speed": "1000 m/s"}, "--speed 1e.06 mm/s: 0.4 mm are over in less than 100 time steps"),
+        ({"at": "0.001 mm"}, "--at 0.001 mm: before the first of 100 rows; at least 0.004 mm"),
+        ({"preload": "1e9 N"}, "--preload 1e.09 N: would press a layer"),
         ({"preload": "10"}, "--preload = '10': the unit is missing"),
         ({"speed": "-1 mm/s"}, "--speed = '-1 mm/s': must be above 0"),
     ],
@@ -285,10 +290,10 @@ def made(shape: str, values: list[float]) -> list[dict[str, Any]]:
     return [{"shape": shape, "state": "done", **own} for own in columns]
 
 
-def verdicts(kind: str, means: dict[str, float]) -> list[bool | None]:
-    """Of packings that scatter by 1 % about the means."""
+def verdicts(kind: str, means: dict[str, float], scatter: float = 0.01) -> list[bool | None]:
+    """Of packings that scatter by so much about the means."""
     rows = [row for shape, mean in means.items()
-            for row in made(shape, [0.99 * mean, mean, 1.01 * mean])]  # fmt: skip
+            for row in made(shape, [(1 - scatter) * mean, mean, (1 + scatter) * mean])]  # fmt: skip
     return [one.holds for one in judged(kind, by_shape(rows))]
 
 
@@ -301,11 +306,29 @@ def test_the_thesis_statements_hold_of_made_stiffnesses_as_stated_and_fail_of_ot
 
     assert verdicts("compress", of(1, 2, 1.5, 1, 2, 1.5, 1.2)) == [True, True]
     assert verdicts("compress", of(1, 2, 3, 1, 2, 1.5, 0.5)) == [False, False]
+    for values in ((1, 2, 1.5, 1, 2, 1.5, 1.2), (1, 2, 2.1, 1, 2, 1.5, 1.2), (3, 2, 1, 3, 2, 2, 1)):
+        # where packings scatter by a half, the largest may lie anywhere
+        assert verdicts("compress", of(*values), scatter=0.5)[1] is None
     assert verdicts("shear", of(1, 2, 2, 1, 2, 2, 1)) == [True] * 6
     assert verdicts("shear", of(2, 1, 3, 2, 1, 3, 4)) == [False] * 6
     assert verdicts("shear", of(1, 1, 1, 1, 1, 1, 1))[0] is None  # within the scatter
     single = [row for shape in ratios for row in made(shape, [1.0])]
     assert {one.holds for one in judged("shear", by_shape(single))} == {None}
+
+
+def test_shapes_that_are_alike_seldom_fail_by_the_scatter_of_their_packings():
+    """Five packings of twelve shapes of one stiffness, which scatter by 30 %: at most 5 % of 200
+    tables and three standard errors of that count. By single intervals the first failed in 18 %.
+    """
+    random = np.random.default_rng(5)
+    shapes = [f"{kind}:{ratio:g}" for kind, ratios in (("prolate", SPHEROIDS), ("toroid", HOLES))
+              for ratio in ratios]  # fmt: skip
+    failed = np.zeros(2)
+    for _ in range(200):
+        tables = (made(one, list(1 + 0.3 * random.standard_normal(5))) for one in shapes)
+        found = judged("compress", by_shape([row for rows in tables for row in rows]))
+        failed += [one.holds is False for one in found]
+    assert failed.max() <= 200 * (0.05 + 3 * math.sqrt(0.05 * 0.95 / 200))
 
 
 def test_toroids_without_a_sphere_of_their_own_name_the_run_that_lacks():

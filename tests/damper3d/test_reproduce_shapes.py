@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from damper3d.case.closed_forms import bouncing_bed_onset
@@ -180,6 +181,22 @@ def test_curves_without_a_peak_are_distinguished_from_curves_without_runs():
     words = {check.found for check in (*independent.checks, *trend.checks)}
     assert words == {"0 of 17 shapes have a peak"}
     assert {check.found for check in judged([])["fluidisation-not-shifted"].checks} == {""}
+
+
+def test_a_trend_is_judged_where_scatter_does_not_hide_it():
+    """Gamma as ratio^0.5 fails and as 1 holds; scattered by 30 % from shape to shape, neither."""
+    random = np.random.default_rng(4)
+    scattered = {shape: math.exp(0.3 * random.standard_normal()) for shape in quantities.shapes()}
+    made = {}
+    for name, times in {
+        "trend": lambda shape: (1 + shape[1]) ** 0.5, "none": lambda _: 1.0,
+        "scatter": lambda shape: scattered.get(shape, 1.0),
+    }.items():  # fmt: skip
+        found = rows(alike, labels_of(shapes.curve_panels()))
+        for row in found:
+            row["gamma"] *= times((row["shape"], row["ratio"]))
+        made[name] = {c.holds for c in judged(found)["fluidisation-without-trend"].checks}
+    assert made == {"trend": {False}, "none": {True}, "scatter": {None}}
 
 
 def test_sphericity_orders_prolates_and_toroids():

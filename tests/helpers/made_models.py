@@ -12,10 +12,10 @@ from calibration.inverse.statistics.prior import Prior, prior_of
 TIMES = np.linspace(0.3, 1.5, 5)
 
 
-def prior(name: str, kind: str, first: float, second: float) -> Prior:
-    """A uniform prior from min to max, or a normal one of mean and sd."""
+def prior(name: str, kind: str, first: float, second: float, **ends: float) -> Prior:
+    """A uniform prior from min to max, or a normal one of mean and sd, with its ends."""
     keys = {"uniform": ("min", "max"), "normal": ("mean", "sd")}[kind]
-    written = {"distribution": kind, keys[0]: first, keys[1]: second}
+    written = {"distribution": kind, keys[0]: first, keys[1]: second} | ends
     return prior_of((f"law.{name}",), written, lambda key, value: float(value))
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.core import ParameterSource
 
 from calibration.commands.options import (
     Box,
@@ -62,6 +63,7 @@ def flow(
     from granulab.campaign.output.terminal import Progress
 
     if collapse:
+        _refuse_of_layers()
         from calibration.flow.collapse import measure_collapse, write_table
 
         with Progress("flow", quiet) as progress:
@@ -84,6 +86,17 @@ def flow(
     tables = [] if out is None else write_tables(found, out)
     finish(found, as_json=as_json, quiet=quiet, out=out, name=f"flow-{found.name}",
            files={"tables": tables})  # fmt: skip
+
+
+def _refuse_of_layers() -> None:
+    """UsageError where an option was given that a column which spreads does not take."""
+    given = click.get_current_context().get_parameter_source
+    for name in ("width", "interval", "columns", "layer_height", "no_velocity"):
+        if given(name) is not ParameterSource.DEFAULT:
+            raise click.UsageError(
+                f"--{name.replace('_', '-')}: --collapse does not take it; leave it out, or "
+                "--collapse (which takes --fps, --scale and --roi)"
+            )
 
 
 @click.command(short_help="A run folder compared with a film")

@@ -4,7 +4,8 @@
 
 so that the prior is a uniform distribution between -sqrt 3 and sqrt 3, or a standard normal one
 that is cut off: width is the prior's standard deviation. Normal priors end at three of them, as
-nothing is simulated beyond.
+nothing is simulated beyond. One of which min and max leave but a small part has the centre and the
+width of that part.
 """
 
 import math
@@ -26,6 +27,9 @@ _KEYS = {
     "lognormal": ("mean", "sd", "min", "max"),
 }
 _REACH = 3.0  # standard deviations of a normal prior, 99.7 % of it
+_LEAST = 1e-9  # deviations between min and max, of which a coordinate still has seven digits
+_NODES = 40  # exact to rounding over the six deviations that a prior reaches at most
+_NARROW = 0.5  # of the normal's deviation: a part that is narrower has a coordinate of its own
 
 
 @dataclass(frozen=True)
@@ -34,6 +38,7 @@ class Prior:
 
     centre, width    of the coordinate, in SI, or of the logarithm
     low, high        where the prior ends, in the coordinate
+    shift, stretch   of a normal prior: shift + stretch x is the standard normal deviate
     """
 
     keys: tuple[str, ...]
@@ -43,6 +48,8 @@ class Prior:
     low: float
     high: float
     unit: str = "1"  # SI
+    shift: float = 0.0
+    stretch: float = 1.0
 
     @property
     def name(self) -> str:
@@ -70,8 +77,8 @@ class Prior:
             return self.low + share * (self.high - self.low)
         from scipy.special import ndtr, ndtri
 
-        below, above = ndtr(self.low), ndtr(self.high)
-        return ndtri(below + share * (above - below))
+        below, above = ndtr(self._deviate(self.low)), ndtr(self._deviate(self.high))
+        return (ndtri(below + share * (above - below)) - self.shift) / self.stretch
 
     def share(self, x: Array) -> Array:
         """Share of the prior that lies below a coordinate."""
@@ -79,13 +86,13 @@ class Prior:
             return (x - self.low) / (self.high - self.low)
         from scipy.special import ndtr
 
-        below, above = ndtr(self.low), ndtr(self.high)
-        return (ndtr(x) - below) / (above - below)
+        below, above = ndtr(self._deviate(self.low)), ndtr(self._deviate(self.high))
+        return (ndtr(self._deviate(x)) - below) / (above - below)
 
     def log_density(self, x: Array) -> Array:
         """Up to a constant; minus infinity outside."""
         inside = (x >= self.low) & (x <= self.high)
-        inner = np.zeros_like(x) if self.kind == "uniform" else -0.5 * x**2
+        inner = np.zeros_like(x) if self.kind == "uniform" else -0.5 * self._deviate(x) ** 2
         return np.where(inside, inner, -math.inf)
 
     @property
@@ -93,9 +100,14 @@ class Prior:
         """Standard deviation of the coordinate: 1, or less where the prior is cut off."""
         if self.kind == "uniform":
             return (self.high - self.low) / math.sqrt(12)
+        if self.stretch != 1.0:
+            return 1.0
         from scipy.stats import truncnorm
 
         return float(truncnorm.std(self.low, self.high))
+
+    def _deviate(self, x: Any) -> Any:
+        return self.shift + self.stretch * x
 
 
 def within(priors: Sequence[Prior], points: Array) -> Array:
@@ -162,9 +174,29 @@ def _normal(
         for key, side in (("min", -1), ("max", 1))
     )
     low, high = max(low, -_REACH), min(high, _REACH)
-    if not low < high:
+    if not high - low > _LEAST:
         raise InputError(f"{where}: nearly nothing of the prior is between min and max")
-    return Prior(keys, kind, centre, width, low, high, unit)
+    shift, stretch = _cut_off(low, high)
+    if stretch >= _NARROW:
+        return Prior(keys, kind, centre, width, low, high, unit)
+    own_low, own_high = ((end - shift) / stretch for end in (low, high))
+    centre, width = centre + width * shift, width * stretch
+    return Prior(keys, kind, centre, width, own_low, own_high, unit, shift, stretch)
+
+
+def _cut_off(low: float, high: float) -> tuple[float, float]:
+    """Mean and standard deviation of a standard normal distribution between two near ends.
+
+    By Gauss and Legendre's quadrature: differences of the distribution function lose all digits
+    where the ends are near.
+    """
+    at, weight = np.polynomial.legendre.leggauss(_NODES)
+    middle, half = (low + high) / 2, (high - low) / 2
+    off = half * at  # from the middle
+    weight = weight * np.exp(-off * (middle + off / 2))
+    mean = np.average(off, weights=weight)
+    sd = math.sqrt(np.average((off - mean) ** 2, weights=weight))
+    return float(middle + mean), sd
 
 
 def _log(value: float) -> float:

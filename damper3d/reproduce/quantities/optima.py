@@ -144,8 +144,12 @@ def optimum_gamma(table: Table63) -> list[Row]:
 
 @OPTIMA.quantity
 def exponent_of_frequency(table: Table63) -> list[Row]:
-    """Exponent of f of the optimum from one frequency to the next (low, high), with its error."""
-    found, known = [], table.optima
+    """Exponent of f of the optimum from one frequency to the next (low, high), with its error.
+
+    together: the mean of all in words, and how far it is from 2 by their scatter.
+    """
+    found: list[Row] = []
+    known = table.optima
     for height, orientation in dict.fromkeys((h, o) for h, _, o in known):
         frequencies = sorted(f for h, f, o in known if (h, o) == (height, orientation))
         for low, high in pairwise(frequencies):
@@ -156,7 +160,22 @@ def exponent_of_frequency(table: Table63) -> list[Row]:
                 "value": math.log(second.gamma / first.gamma) / octave,
                 "noise": math.hypot(first.error(table.pooled), second.error(table.pooled)) / octave,
             })  # fmt: skip
-    return found
+    together = _against_two([one["value"] for one in found])
+    return [one | {"together": together} for one in found]
+
+
+def _against_two(exponents: Sequence[float]) -> str:
+    """Student's test of the mean of exponents against 2, in words; "" of fewer than three."""
+    from scipy.stats import ttest_1samp
+
+    sample = mean_sd(exponents)
+    if sample.n < 3 or not sample.sd:
+        return ""
+    test = ttest_1samp(exponents, 2)
+    return (
+        f"; mean {sample.mean:.2f}, away from 2 by t = {test.statistic:.1f} of the lines' scatter "
+        f"(p = {test.pvalue:.1g})"
+    )
 
 
 @OPTIMA.quantity

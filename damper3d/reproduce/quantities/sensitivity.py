@@ -72,7 +72,6 @@ def change_of_level(found: Peaks) -> list[Row]:
     """Change of eta from the least setting of a property to the largest, over its mean; its noise.
 
     From the slope of the mean over the bouncing bed, a packing a point; the standard among them.
-    `less` is the negative of the noise.
     """
     trends = []
     for name in VALUES:
@@ -88,6 +87,6 @@ def change_of_level(found: Peaks) -> list[Row]:
             scale = (max(x) - min(x)) / (math.fsum(y) / len(y))
             change, noise = line.value * scale, line.half_width * scale
             remark = "" if abs(change) > noise else ", flat within noise"
-            trends.append({"property": name, "value": change, "noise": noise, "less": -noise,
+            trends.append({"property": name, "value": change, "noise": noise,
                            "remark": remark})  # fmt: skip
     return trends

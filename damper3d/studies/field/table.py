@@ -42,6 +42,7 @@ COLUMNS = (
 _MAY_LACK = ("m_in_phase_half_width_kg", "m_out_of_phase_half_width_kg")
 _HEAD = "# "
 _WANTED = "the field.csv that damper3d field writes"
+_ROUNDED = 1e-3  # part of an amplitude by which a table of few digits may be off its Gamma
 _NEAR = 0.1  # part of a frequency within which what the table has there is taken for known
 RIDES = 0.05  # of the bed's mass, that m' may be off it where a bed is said to ride along
 
@@ -269,7 +270,29 @@ def _point(path: Path, line: int, names: Sequence[str], row: Sequence[str]) -> d
             raise InputError(f"{path}: line {line}: {name} = {cell.strip()!r}: no number")
         if name in ("frequency_hz", "gamma", "bed_mass_kg", "seeds") and not found[name] > 0:
             raise InputError(f"{path}: line {line}: {name} = {found[name]:g}: must be above 0")
+    _refuse_nonsense(f"{path}: line {line}", found)
     return found
+
+
+def _refuse_nonsense(where: str, point: dict[str, float]) -> None:
+    """Raise InputError for numbers of a point that no bed has, or that contradict each other."""
+    if point["seeds"] != int(point["seeds"]):
+        raise InputError(f"{where}: seeds = {point['seeds']:g}: a whole number of packings")
+    for name in _MAY_LACK:
+        if point[name] < 0:
+            raise InputError(f"{where}: {name} = {point[name]:g}: must not be below 0")
+    amplitude = point["gamma"] * GRAVITY / (2.0 * math.pi * point["frequency_hz"]) ** 2
+    if not math.isclose(point["amplitude_m"], amplitude, rel_tol=_ROUNDED):
+        raise InputError(
+            f"{where}: amplitude_m = {point['amplitude_m']:g}: Gamma {point['gamma']:g} at "
+            f"{point['frequency_hz']:g} Hz is {amplitude:.4g} m; correct one of them"
+        )
+    noise = np.fmax(point["m_out_of_phase_half_width_kg"], RIDES * point["bed_mass_kg"])
+    if point["m_out_of_phase_kg"] < -noise:
+        raise InputError(
+            f"{where}: m_out_of_phase_kg = {point['m_out_of_phase_kg']:g}: below 0 a bed would "
+            "give energy; is its sign turned?"
+        )
 
 
 def _checked(path: Path, points: list[dict[str, float]], head: tuple[str, ...]) -> Field:

@@ -24,6 +24,9 @@ DISTANCE = {"shear": 1e-3, "compress": 0.2e-3}  # [m]
 AT = {"shear": 0.5e-3, "compress": 0.1e-3}  # [m] where the secant stiffness is taken
 SPEED = 5e-3  # [m/s] an inertial number below 1e-3 in both tests
 
+SAMPLES = 100  # rows of the test
+_LOOSEST = 0.3  # packing fraction; toroids of 0.33, the loosest of the thesis's shapes, have 0.42
+
 # The servo (see drive.py): lack of force where the bed gives way at the test's speed; viscosity
 # over stiffness times time step; and the inertial number at which it may follow.
 TOLERANCE, STEADY_STEPS, FASTEST_INERTIA = 0.01, 10.0, 1e-2
@@ -87,6 +90,42 @@ class SlowTest:
                 f"--at {1e3 * self.at:g} mm: beyond the distance of {1e3 * self.distance:g} mm; "
                 "give at most that"
             )
+        self._refuse_impossible()
+
+    def _refuse_impossible(self) -> None:
+        """Raise InputError now for what would come to nothing after minutes of settling."""
+        room = self.halves.enclosure.height
+        solid = self.damper.fill_ratio * room
+        if self.kind == "compress" and self.distance >= room - solid:
+            raise InputError(
+                f"--distance {1e3 * self.distance:g} mm: all voids of the halves are "
+                f"{1e3 * (room - solid):.3g} mm high; give less, such as '0.2 mm'"
+            )
+        if self.kind == "shear" and solid / _LOOSEST < self.halves.rim:
+            raise InputError(
+                f"--count {self.damper.count}: a bed of {1e3 * solid / _LOOSEST:.3g} mm at most "
+                f"does not reach the top half, {1e3 * self.halves.rim:g} mm above the base; give "
+                "more, or a smaller --half-height"
+            )
+        row = self.distance / SAMPLES
+        if self.speed * self.time_step > row:
+            raise InputError(
+                f"--speed {1e3 * self.speed:g} mm/s: {1e3 * self.distance:g} mm are over in less "
+                f"than {SAMPLES} time steps of {1e6 * self.time_step:.3g} us; at most "
+                f"{1e3 * row / self.time_step:.3g} mm/s, or a longer --distance"
+            )
+        if self.at < row:
+            raise InputError(
+                f"--at {1e3 * self.at:g} mm: before the first of {SAMPLES} rows; at least "
+                f"{1e3 * row:.3g} mm"
+            )
+        radius = self.damper.particle.equal_volume_radius
+        if self._overlap >= radius:
+            raise InputError(
+                f"--preload {self.preload:g} N: would press a layer of particles by "
+                f"{1e3 * self._overlap:.3g} mm into the table, more than their radius of "
+                f"{1e3 * radius:.3g} mm; give less, such as '50 N'"
+            )
 
     @property
     def name(self) -> str:
@@ -125,14 +164,18 @@ class SlowTest:
         The stiffness that the viscosity must master over a step is that of a layer of particles
         against the table, as many as cover it, that share the pre-load: Hertz's (3/2) F/overlap.
         """
-        radius = self.damper.particle.equal_volume_radius
-        layer = (0.5 * self.halves.diameter / radius) ** 2 * math.sqrt(radius)
-        overlap = (self.preload / (layer * self.damper.wall_law.hertz)) ** (2 / 3)
-        stiffness = 1.5 * self.preload / overlap
+        stiffness = 1.5 * self.preload / self._overlap
         viscosity = max(
             TOLERANCE * self.preload / self.speed, STEADY_STEPS * stiffness * self.time_step
         )
         return viscosity, self.inertial_speed(FASTEST_INERTIA)
+
+    @property
+    def _overlap(self) -> float:
+        """Of the particles of a layer with the table, under the pre-load [m]."""
+        radius = self.damper.particle.equal_volume_radius
+        layer = (0.5 * self.halves.diameter / radius) ** 2 * math.sqrt(radius)
+        return (self.preload / (layer * self.damper.wall_law.hertz)) ** (2 / 3)
 
     def identity(self) -> dict[str, Any]:
         """All that the results of a run depend on, by which its folder is named."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from damper3d.studies.quasistatic.case import TOLERANCE, SlowTest
+from damper3d.studies.quasistatic.case import SAMPLES, TOLERANCE, SlowTest
 from damper3d.studies.quasistatic.rig import TABLE, TOP_SIDE, RigSimulation
 from granulab.campaign.runs.checkpoint import load_checkpoint, save_checkpoint
 from granulab.campaign.runs.folder import RunFolder
@@ -18,7 +18,6 @@ from granulab.campaign.runs.protocol import Stop
 from granulab.campaign.runs.stages import Stages
 from granulab.errors import FolderError, SimulationError, Stopped
 
-SAMPLES = 100  # rows of the test
 WINDOW = 10  # rows of the pre-load over which it must be steady
 _PRELOAD_SAMPLE = 1e-3  # [s]
 LONGEST_PRELOAD = 1.0  # [s]

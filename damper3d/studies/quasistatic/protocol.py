@@ -14,10 +14,9 @@ from damper3d.run.packing import Packing, load_packing, save_packing
 from damper3d.run.protocol import PACKAGES
 from damper3d.run.sources import SOURCES as OF_RUNS
 from damper3d.run.vibration import MOST_UNACCOUNTED
-from damper3d.studies.quasistatic.case import SlowTest
+from damper3d.studies.quasistatic.case import SAMPLES, SlowTest
 from damper3d.studies.quasistatic.course import (
     LONGEST_PRELOAD,
-    SAMPLES,
     follow,
     go_on,
     steps_per_sample,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from granulab.campaign.output.layout import done
-from granulab.campaign.output.statistics import Sample, mean_sd, quantile
+from granulab.campaign.output.statistics import Sample, among, mean_sd, quantile
 
 Row = dict[str, Any]
 
@@ -69,9 +69,12 @@ class Scatter:
         scale = abs(sample.mean) if self.relative else 1.0
         return self.sd * scale / math.sqrt(sample.n)
 
-    def half_width(self, *samples: Sample) -> float:
-        """Half width of the 95 % interval of a mean, or of the difference of two."""
-        return quantile(self.freedom) * math.hypot(*map(self.error, samples))
+    def half_width(self, *samples: Sample, comparisons: int = 1) -> float:
+        """Half width of the 95 % interval of a mean, or of the difference of two.
+
+        comparisons: so many such intervals are to hold together.
+        """
+        return quantile(self.freedom, among(comparisons)) * math.hypot(*map(self.error, samples))
 
 
 def scatter_of(shapes: Mapping[str, Shape], test: str, column: str) -> Scatter | None:

@@ -6,6 +6,7 @@ number, or the name of a column. A value that lacks (NaN) fails where each item 
 left out elsewhere.
 """
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -96,7 +97,7 @@ def ordered(
 ) -> Outcome:  # fmt: skip
     """One value is above or below (way) another, or a factor times it, in every group.
 
-    Where a selection has several values, their mean counts; all that it names must be there. The
+    Where a selection has several values, their mean counts; each that it names must be there. The
     value of a case is first over second, its change that less one.
     """
     from pandas import DataFrame
@@ -106,7 +107,7 @@ def ordered(
     cases, verdicts = [], []
     for labels, own in groups(items, per):
         one, other = select(own, first), select(own, second)
-        if len(one) < _named(first) or len(other) < _named(second):
+        if not (_whole(one, first) and _whole(other, second)):
             continue
         a, b = float(one["value"].mean()), float(other["value"].mean())
         times = a / b if b else np.nan
@@ -128,21 +129,26 @@ def extreme(items: "DataFrame", *, least: Mapping[str, Any] | None = None,
 
 
 def ratio(items: "DataFrame", *, at_most: float, per: Sequence[str] = (), need: int = 2) -> Outcome:
-    """The largest value over the least is within a limit, in every group."""
+    """The largest value over the least is within a limit, in every group.
+
+    Over a least value of 0 or below it is infinite; where none is above 0 it is not judged.
+    """
     from pandas import DataFrame
 
     items = items.dropna(subset="value")
-    cases = [
-        labels | {"value": own["value"].max() / own["value"].min()}
-        for labels, own in groups(items, per)
-        if len(own) >= need
-    ]
-    return Outcome(items, DataFrame(cases), [case["value"] <= at_most for case in cases])
+    cases, verdicts = [], []
+    for labels, own in groups(items, per):
+        if len(own) >= need:
+            least, largest = own["value"].min(), own["value"].max()
+            value = largest / least if least > 0 else np.inf if largest > 0 else np.nan
+            cases.append(labels | {"value": value})
+            verdicts.append(None if np.isnan(value) else bool(value <= at_most))
+    return Outcome(items, DataFrame(cases), verdicts)
 
 
 def compared(
     items: "DataFrame", *, printed: Limit, within: Limit = 0.0, factor: float | None = None,
-    mean: bool = False, interval: Sequence[str] = (),
+    mean: bool = False, interval: Sequence[str] = (), telling: Limit | None = None,
 ) -> Outcome:  # fmt: skip
     """Each value agrees with a printed number, or with a column.
 
@@ -150,6 +156,9 @@ def compared(
     factor      instead: by which factor
     mean        it is the mean of all values that is compared
     interval    instead: the columns low, high of two intervals, which must have a point in common
+    telling     a value that agrees is not judged where `within` is more: noise would hide as much
+
+    Of unknown noise (`within` is NaN) nothing is judged.
     """
     items = items.dropna(subset="value")
     if interval:
@@ -164,7 +173,11 @@ def compared(
         holds = np.abs(np.log(value / target)) <= np.log(factor)
     else:
         holds = np.abs(value - target) <= allowed
-    return Outcome(items, items, [bool(v) for v in holds])
+    hidden = np.broadcast_to(np.isnan(allowed), holds.shape)
+    if telling is not None:
+        hidden = hidden | (holds & (allowed > _limit(items, telling)))
+    verdicts = [None if h else bool(v) for v, h in zip(holds, hidden, strict=True)]
+    return Outcome(items, items, verdicts)
 
 
 RULES: dict[str, Callable[..., Outcome]] = {
@@ -189,9 +202,13 @@ def groups(items: "DataFrame", per: Sequence[str]) -> list[tuple[dict[str, Any],
     return [(dict(zip(per, key, strict=True)), own) for key, own in grouped]
 
 
-def _named(selection: Mapping[str, Any]) -> int:
-    """Return how many items a selection names."""
-    return int(np.prod([len(v) if isinstance(v, list) else 1 for v in selection.values()]))
+def _whole(items: "DataFrame", selection: Mapping[str, Any]) -> bool:
+    """True if each combination of the values that a selection names has an item."""
+    named = [values if isinstance(values, list) else [values] for values in selection.values()]
+    if not named or not len(items):
+        return len(items) > 0
+    there = set(zip(*(items[label] for label in selection), strict=True))
+    return there >= set(itertools.product(*named))
 
 
 def _limit(items: "DataFrame", limit: Limit) -> "Series | float":

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 CONFIDENCE = 0.95
+_COMPUTED = 1e-12  # of a number: what sums leave of values that are alike
 
 
 @dataclass(frozen=True)
@@ -108,6 +109,14 @@ def quantile(freedom: float, confidence: float = CONFIDENCE) -> float:
     return float(t.ppf(0.5 + confidence / 2, freedom))
 
 
+def among(comparisons: int) -> float:
+    """The confidence of each of several intervals that hold all together with CONFIDENCE.
+
+    Bonferroni's: Dunn, J. Am. Stat. Assoc. 56 (1961) 52.
+    """
+    return 1 - (1 - CONFIDENCE) / comparisons
+
+
 def half_width_of_mean(sample: Sample) -> float | None:
     """Half width of Student's interval of a mean, t sd/sqrt(n); None for fewer than two values."""
     if sample.sd is None:
@@ -163,14 +172,18 @@ class Slope:
     @property
     def half_width(self) -> float:
         """Of its confidence interval."""
-        return quantile(self.freedom) * self.error
+        return self.half_width_among(1)
+
+    def half_width_among(self, slopes: int) -> float:
+        """Of its interval where all of so many slopes are to lie in theirs (Bonferroni)."""
+        return quantile(self.freedom, among(slopes)) * self.error
 
 
 def slope(x: Sequence[float], y: Sequence[float], rounding: float = 0.0) -> Slope | None:
     """The least-squares slope of y(x); None for fewer than three points or one x.
 
     `rounding` is the unit to which y is printed: its standard deviation, rounding/sqrt(12), is
-    the least scatter about the line that is believed.
+    the least scatter about the line that is believed, and none is below that of rounded sums.
     """
     from scipy.stats import linregress
 
@@ -180,7 +193,9 @@ def slope(x: Sequence[float], y: Sequence[float], rounding: float = 0.0) -> Slop
     fit = linregress(x, y)
     mean = math.fsum(x) / n
     width = math.sqrt(math.fsum((a - mean) ** 2 for a in x))
-    return Slope(float(fit.slope), max(float(fit.stderr), rounding / math.sqrt(12) / width), n - 2)
+    least = max(rounding, _COMPUTED * max(map(abs, y))) / math.sqrt(12) / width
+    error = float(fit.stderr) if len(set(y)) > 1 else 0.0  # NaN of scipy where no y differs
+    return Slope(float(fit.slope), max(error, least), n - 2)
 
 
 @dataclass(frozen=True)

@@ -327,8 +327,6 @@ def toml_value(value: Any, unit: str = "1") -> str:
         pairs = [(key, getattr(value, key), unit_of(field)) for key, field in fields]
         written = [f"{key} = {toml_value(one, u)}" for key, one, u in pairs if one is not None]
         return f"{{ {', '.join(written)} }}"
-    if isinstance(value, dict):
-        return f"{{ {', '.join(f'{key} = {toml_value(one)}' for key, one in value.items())} }}"
     if isinstance(value, list):
         return f"[{', '.join(map(toml_value, value))}]"
     return repr(value)  # a number is written as in Python

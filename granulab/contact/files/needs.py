@@ -13,9 +13,10 @@ from granulab.contact.files.schema import (
     PairTable,
     missing_keys,
     missing_words,
+    section,
 )
-from granulab.contact.files.table import ContactTable, load_table
-from granulab.contact.files.units import nearest
+from granulab.contact.files.table import ContactTable, load_table, two_names
+from granulab.contact.files.units import located, nearest
 from granulab.errors import InputError
 
 Keys = list[tuple[str, str]]  # section, as in "pair.wood-wood.linear", and key
@@ -145,9 +146,11 @@ def lacking(path: Path, tables: dict[str, Any]) -> list[str]:
 
     As in "[pair.wood-steel] friction", followed by the simulator where only one needs it. A file
     with what only a silo takes is for a silo; one that is enough for a simulator lacks nothing.
-    Raises InputError for a wrong key or structure.
+    Raises InputError for a wrong key or structure, and for pairs named wrongly or twice.
     """
-    must = _all(missing_keys(path, tables), _unnamed(tables))
+    missing = missing_keys(path, tables)
+    _refuse_names(path, tables)
+    must = _all(missing, _unnamed(tables))
     must = [(where, key) for where, key in must if key]
     silo, damper = (
         _all(must, *(_absent(tables, keys_needed(one, *pair)) for pair in _pairings(tables)))
@@ -170,6 +173,16 @@ def lacking(path: Path, tables: dict[str, Any]) -> list[str]:
         only = f" ({takers[0]})" if len(takers) == 1 else ""
         found.append(f"[{where}] {key}{only}")
     return found
+
+
+def _refuse_names(path: Path, tables: dict[str, Any]) -> None:
+    """Raise InputError for a pair that is not named by two materials, or is given both ways."""
+    for names in tables.get("pair", {}):
+        with located(f"{path}: {section('pair', names)}"):
+            first, second = two_names(names)
+            turned = f"{second}-{first}"
+            if first != second and turned in tables["pair"]:
+                raise InputError(f"is given again as {turned}; leave one out")
 
 
 def lacking_words(keys: Iterable[str]) -> str:

@@ -117,12 +117,18 @@ def _pair(path: Path, names: str, written: PairTable) -> Pair:
     with located(f"{path}: {section('pair', names, 'linear')}"):
         linear = LinearParameters(**_quantities(written.linear)) if written.linear else None
     with located(f"{path}: {section('pair', names)}"):
-        first, _, second = names.partition("-")
-        if not second or "-" in second:
-            raise InputError("a pair is named by two materials and a hyphen, such as wood-steel")
+        first, second = two_names(names)
         known = _quantities(written)
         model = written.restitution_model
         return Pair(first, second, known["friction"], known.get("restitution"), linear, model)
+
+
+def two_names(names: str) -> tuple[str, str]:
+    """The materials of a pair by its name; InputError for what is none."""
+    first, _, second = names.partition("-")
+    if not first or not second or "-" in second:
+        raise InputError("a pair is named by two materials and a hyphen, such as wood-steel")
+    return first, second
 
 
 def _quantities(table: Table) -> dict[str, Measured]:

@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from damper3d.case.oscillation import DEEPEST
 from damper3d.engine.spheres import collision
 from damper3d.engine.spheres.collision import Bodies, Meeting, collide
 from granulab.contact.hertz import HertzLaw, damping_of_impact
@@ -17,7 +18,7 @@ from granulab.contact.material import Material
 from granulab.contact.mindlin_deresiewicz import N_SPRINGS
 from granulab.contact.reduced import reduced_mass, reduced_radius, sphere_mass
 from granulab.contact.restitution import ContactEnd, ratio_of_restitution
-from granulab.contact.sphere_law import sphere_law
+from granulab.contact.sphere_law import damping_ratio, sphere_law
 from granulab.errors import InputError
 
 Tangential = Literal["displacement", "force", "mindlin-deresiewicz"]
@@ -66,6 +67,7 @@ class Impact:
                 raise InputError(f"{name} = {value:g} {unit}: must be above 0")
         if not 0.0 <= self.friction < math.inf:
             raise InputError(f"friction = {self.friction:g}: must be at least 0")
+        damping_ratio(self.restitution)  # refuses one that is none
 
     @property
     def law(self) -> HertzLaw:
@@ -121,12 +123,20 @@ class Outcome:
 
 
 def run(impact: Impact, steps_per_contact: int = STEPS_PER_CONTACT) -> Outcome:
-    """Integrate an impact. Raises InputError where a material lacks a constant."""
+    """Integrate an impact.
+
+    Raises InputError where a material lacks a constant, or spheres would pass their centres.
+    """
     law = impact.law
     meeting = _meeting(impact, law)
     bodies = _bodies(impact)
     before = _state(impact, bodies)
     deepest = hertz_overlap(meeting, impact.speed * math.cos(impact.angle))
+    if deepest >= impact.radius:
+        raise InputError(
+            f"speed = {impact.speed:g} m/s: an overlap of {1e3 * deepest:.3g} mm is more than the "
+            f"radius of {1e3 * impact.radius:g} mm; give a lower speed, or a stiffer material"
+        )
     dt = hertz_contact_time(meeting, impact.speed * math.cos(impact.angle)) / steps_per_contact
     n_springs = N_SPRINGS if impact.tangential == "mindlin-deresiewicz" else 0
     # A contact area a little larger than an elastic impact's: rotation adds next to nothing.
@@ -140,6 +150,16 @@ def run(impact: Impact, steps_per_contact: int = STEPS_PER_CONTACT) -> Outcome:
             "contact times; give a larger one"
         )
     return _outcome(impact, before, _state(impact, bodies), totals, dt, steps, rows)
+
+
+def doubts(impact: Impact, outcome: Outcome) -> list[str]:
+    """Lines on what the law is not meant for."""
+    part = outcome.max_overlap_m / impact.radius
+    if part <= DEEPEST:
+        return []
+    return [
+        f"the overlap is {part:.2g} of the radius: Hertz's law is for small ones, up to {DEEPEST:g}"
+    ]
 
 
 def hertz_overlap(meeting: Meeting, speed: float) -> float:
