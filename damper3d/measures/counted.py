@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from damper3d.case.parts import GRAVITY
 from damper3d.engine.records import Samples, cut
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import read_trajectory
@@ -47,6 +48,14 @@ class Cycles:
         if self.case.modes is None:
             return self.case.peak_speed
         return 2.0 * math.pi / self.case.period * self.amplitude
+
+    @property
+    def gamma(self) -> float:
+        """Its amplitude of acceleration over g; of a decay or an excitation that of the case."""
+        case = self.case
+        if case.modes is None or case.is_decay or case.excitation is not None:
+            return case.settings.motion.gamma
+        return (2.0 * math.pi / case.period) ** 2 * self.amplitude / GRAVITY
 
     @property
     def references(self) -> np.ndarray:

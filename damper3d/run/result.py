@@ -96,6 +96,12 @@ class Result(Results):
     run_folder: str
 
 
+_UNDAMPED = (
+    "the host has no damping, so that its start dies away by the bed alone: the amplitude of ten "
+    "cycles is that of the ten before, and may be of a beat; give a damping ratio"
+)
+
+
 def summarise(case: DamperCase, samples: Trajectory) -> dict[str, Any]:
     """Results from the samples of a run, by the names of Result; SI, None where none exists."""
     run, per_cycle = case.settings.run, case.settings.output.samples
@@ -110,7 +116,7 @@ def summarise(case: DamperCase, samples: Trajectory) -> dict[str, Any]:
     up = -case.gravity / strength if strength else case.direction
     return {
         "frequency_hz": case.settings.motion.frequency,
-        "gamma": case.settings.motion.gamma,
+        "gamma": cycles.gamma,
         "orientation": case.orientation,
         "particles": case.particle.name,
         "n_particles": case.count,
@@ -149,8 +155,8 @@ def _steadiness(cycles: Cycles, eta: np.ndarray, note: str | None) -> dict[str, 
     """Judge whether the counted cycles are steady, with a line where not; eta of all cycles.
 
     Of a run that went on until then: efficiency, or on a host the amplitude. Of another one on a
-    host, whose amplitude grows or decays, and of windows of a signal, nothing is said. note: why
-    the run has no efficiency, which is not said twice.
+    host that is forced, whether its start may still count; of one that is let go, and of windows of
+    a signal, nothing is said. note: why the run has no efficiency, which is not said twice.
     """
     case, run = cycles.case, cycles.case.settings.run
     if run.steady:
@@ -162,7 +168,7 @@ def _steadiness(cycles: Cycles, eta: np.ndarray, note: str | None) -> dict[str, 
         late = f"not steady after {len(eta)} cycles: give more --max-cycles"
         return {"steady": done, "steady_note": None if done else late}
     if case.modes is not None or case.excitation is not None:
-        return {"steady": None, "steady_note": None}
+        return {"steady": None, "steady_note": _left_out(case, cycles.first)}
     if note is not None:
         return {"steady": False, "steady_note": None}
     return dict(zip(("steady", "steady_note"), verdict(eta[cycles.first :]), strict=True))
@@ -177,15 +183,27 @@ def too_early(case: DamperCase, n_cycles: int) -> str | None:
         return None
     takes = cycles_until(FORGOTTEN, case.modes.slowest, case.settings.motion.frequency)
     if takes is None:
-        return (
-            "the host has no damping, so that its start dies away by the bed alone: the amplitude "
-            "of ten cycles is that of the ten before, and may be of a beat; give a damping ratio"
-        )
+        return _UNDAMPED
     if n_cycles >= takes + COUNTED:
         return None
     return (
         f"{n_cycles} cycles, and the bare host's start takes {takes} to fall to 1 %, before the "
         f"{COUNTED} that are judged: give --max-cycles {takes + COUNTED} or more, and no --discard"
+    )
+
+
+def _left_out(case: DamperCase, first: int) -> str | None:
+    """Reason why cycles that count from the first on may hold a start; None of no forced host."""
+    if case.modes is None or case.excitation is not None or case.is_decay:
+        return None
+    takes = cycles_until(FORGOTTEN, case.modes.slowest, case.settings.motion.frequency)
+    if takes is None:
+        return _UNDAMPED
+    if first >= takes:
+        return None
+    return (
+        f"{first} cycles are left out, and the bare host's start takes {takes} to fall to 1 %: the "
+        f"amplitude may grow or fall yet; give no cycles, or --discard {takes} and more cycles"
     )
 
 

@@ -36,13 +36,19 @@ _LINES = (  # of the table: words, key and format
     ("energy unaccounted for", "energy_closure", ".1e"),
     ("CPU time [s]", "cpu_s", ".2f"),
 )
+_OF_HOSTS = (  # of two runs on hosts, before the others
+    ("amplitude over bare", "reduction", ".4f"),
+    ("amplitude [m]", "amplitude_m", ".4g"),
+    ("rms displacement [m]", "rms_m", ".4g"),
+    ("added damping ratio", "added_damping_ratio", ".4g"),
+)
 _COLOURS = INK, BLUE
 
 
 def compare(first: str | Path, second: str | Path) -> dict[str, Any]:
     """Two finished runs: what each found and took, and how far they are apart.
 
-    runs          of each, the results that are kept here (see `damper3d run --json`)
+    runs          of each, the results that are kept here (see `damper3d run --json`), and its host
     difference    of the second from the first: efficiency, shares (as `shares` of a run), and
                   efficiency_over_interval, the difference of the efficiencies over the root of the
                   sum of the squared half widths of their intervals; None where one has none
@@ -79,7 +85,8 @@ def _row(folder: RunFolder) -> dict[str, Any]:
             f"{folder.path / 'summary.json'}: damaged (no {missing[0]}); use --again to compute "
             "the run again"
         )
-    return {**{name: summary[name] for name in _KEPT}, "run_folder": str(folder.path)}
+    found = {name: summary[name] for name in _KEPT}
+    return {**found, "host": summary.get("host"), "run_folder": str(folder.path)}
 
 
 def _half_width(interval: Sequence[float] | None) -> float | None:
@@ -107,9 +114,12 @@ def table(found: dict[str, Any]) -> str:
     """Two runs for a person to read."""
     rows = found["runs"]
     lines: list[tuple[str, list[Any], str | None]] = [("", labels(rows), None)]
-    lines += [(name, [row[key] for row in rows], digits) for name, key, digits in _LINES]
-    intervals = [_interval(row["efficiency_interval"]) for row in rows]
-    lines.insert(2, ("  its interval", intervals, None))
+    if all(row["host"] for row in rows):
+        hosts = [row["host"] for row in rows]
+        lines += [(name, [host[key] for host in hosts], digits) for name, key, digits in _OF_HOSTS]
+    intervals = ("  its interval", [_interval(row["efficiency_interval"]) for row in rows], None)
+    own = [(name, [row[key] for row in rows], digits) for name, key, digits in _LINES]
+    lines += [own[0], intervals, *own[1:]]
     for c in CLASSES:
         for mechanism in MECHANISMS:
             name = f"{mechanism.replace('_', ' ')}, {c.replace('_', '-')}"

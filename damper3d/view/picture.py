@@ -134,8 +134,10 @@ def _words(figure: "Figure", scene: Scene, total: float, in_space: bool) -> None
 
 
 def _length(scene: Scene) -> str:
-    """The largest displacement in words."""
-    largest = float(np.abs(scene.trajectory["displacement"]).max())
+    """The amplitude in words; under an excitation the largest displacement."""
+    largest = scene.peak_speed * scene.period / (2 * np.pi)
+    if scene.settings.excitation.kind is not None:
+        largest = float(np.abs(scene.trajectory["displacement"]).max())
     return f"{1e3 * largest:.3g} mm" if largest > 1e-4 else f"{1e6 * largest:.3g} \N{MICRO SIGN}m"
 
 

@@ -312,7 +312,11 @@ class Scene:
         fill = self.trajectory.attributes["fill_ratio"]
         moved = self.settings.excitation.kind or f"{motion.frequency:g} Hz"
         at = f"{self.settings.host.at}: " if self.settings.host.at else ""
-        return f"{at}{what}, fill ratio {fill:.3f}; {moved}, \u0393 = {motion.gamma:.4g}, {how}"
+        gamma = motion.gamma  # of the bare host where it has a host and no one sine moves it
+        keys = self.settings.host
+        if self.on_host and (keys.force or keys.torque or base_of(keys)):
+            gamma = 2 * np.pi / self.period * self.peak_speed / _G
+        return f"{at}{what}, fill ratio {fill:.3f}; {moved}, \u0393 = {gamma:.4g}, {how}"
 
     @property
     def outcome(self) -> str:

@@ -7,7 +7,7 @@ import pytest
 from fake_damper_run import EFFICIENCY, LAW_GAIN, SHARES, write_fake_damper_run
 from small_damper import damper3d
 
-from damper3d.view.compare import compare, draw, labels
+from damper3d.view.compare import compare, draw, labels, table
 from granulab.campaign.runs.folder import RunFolder
 
 
@@ -38,6 +38,22 @@ def test_a_run_compared_with_itself_does_not_differ(runs):
     assert difference["efficiency"] == difference["efficiency_over_interval"] == 0.0
     rows = compare(runs[0], runs[0])["runs"]
     assert labels(rows) == ["one", "one"]
+
+
+def test_runs_on_hosts_are_compared_by_their_response_first(runs, tmp_path):
+    """What they are for: amplitude over that of the bare structure, then the bed's efficiency."""
+    pair = []
+    for name, reduction in (("a", 0.75), ("b", 1.6)):
+        write_fake_damper_run(tmp_path / name)
+        run = RunFolder(tmp_path / name)
+        host = {"reduction": reduction, "amplitude_m": 1e-3 * reduction, "rms_m": 7e-4,
+                "added_damping_ratio": None}  # fmt: skip
+        run.write_summary(run.read_summary() | {"host": host})
+        pair.append(tmp_path / name)
+    lines = table(compare(*pair)).splitlines()
+    assert lines[1].split() == ["amplitude", "over", "bare", "0.7500", "1.6000"]
+    assert lines[4].split() == ["added", "damping", "ratio", "none", "none"]
+    assert "over bare" not in table(compare(pair[0], runs[0]))
 
 
 def test_runs_without_an_interval_are_compared_all_the_same(runs, tmp_path):

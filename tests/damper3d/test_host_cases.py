@@ -230,6 +230,17 @@ def test_a_run_on_a_host_stopped_many_times_ends_with_the_same_bits(tmp_path, mo
     assert result.host["reduction"] < 1
     assert result.steady is None  # 30 of the 57 cycles that it takes
     assert abs(result.host["energy_closure"]) < 2e-2  # steps of 5 us on soft spheres
+    # Gamma of what the enclosure does, not of the bare host.
+    gamma = (2 * np.pi * 80.0) ** 2 * result.host["amplitude_m"] / 9.81
+    assert result.gamma == pytest.approx(gamma, rel=1e-9)
+
+
+def test_a_forced_host_whose_start_counts_says_so(tmp_path):
+    """Damping of 2 %: ln 100/(2 pi 0.02) = 37 cycles until its start is down to a hundredth."""
+    few = protocol.run(load(tmp_path, {**FORCED, "run.cycles": 4}), out=tmp_path / "few")
+    assert "takes 37 to fall to 1 %" in few.steady_note
+    case = load(tmp_path, {**FORCED, "run.cycles": 41, "run.discard": 37})
+    assert protocol.run(case, out=tmp_path / "many").steady_note is None
 
 
 def test_a_free_decay_ends_when_it_is_over_and_is_drawn(tmp_path):
