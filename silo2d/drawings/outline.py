@@ -22,15 +22,31 @@ def silo_outline(
     polylines within 5e-4 of their extent, and points that are level but for a ten thousandth of it
     are made level. unit, layer: see read_drawing. Raises InputError for anything else.
     """
+    return _drawn(path, unit, layer)[0]
+
+
+def _drawn(
+    path: str | Path, unit: str | None, layer: str | None
+) -> tuple[list[list[float]], dict[str, str]]:
+    """Corners [mm] of the silo of a drawing, and keys of the outlet between two sides."""
     drawing = read_drawing(path, unit, layer)
     assert drawing.unit is not None
-    corners = 1e3 * drawing.unit * _inside(joined(drawing, str(path)), str(path))
+    corners, sides = _inside(joined(drawing, str(path)), str(path))
+    corners = 1e3 * drawing.unit * corners
     if signed_area(corners) < 0:
         corners = corners[::-1]
     y = corners[:, 1]
+    near = _LEVEL * np.ptp(corners, axis=0).max()
     for level in (y.min(), y.max()):
-        y[np.abs(y - level) <= _LEVEL * np.ptp(corners, axis=0).max()] = level
-    return np.round(corners, _DIGITS).tolist()
+        y[np.abs(y - level) <= near] = level
+    outlet = {}
+    if sides is not None:
+        ends = 1e3 * drawing.unit * sides
+        if np.abs(ends[:, 1] - y.min()).max() <= near:
+            width, middle = float(np.ptp(ends[:, 0])), float(ends[:, 0].mean())
+            outlet = {"silo.outlet": f"{round(width, _DIGITS):g} mm",
+                      "silo.outlet_centre": f"{round(middle, _DIGITS):g} mm"}  # fmt: skip
+    return np.round(corners, _DIGITS).tolist(), outlet
 
 
 def outline_changes(
@@ -38,34 +54,47 @@ def outline_changes(
 ) -> dict[str, Any]:
     """Keys of a case that put the silo of a drawing in place of the one it has; "section.key"."""
     other = dict.fromkeys(("silo.preset", "silo.angle", "silo.width", "silo.height"))
-    return {**other, "silo.outline": silo_outline(path, unit, layer), "silo.outline_unit": "mm"}
+    corners, outlet = _drawn(path, unit, layer)
+    return {**other, "silo.outline": corners, "silo.outline_unit": "mm", **outlet}
 
 
 def drawn_case(path: str | Path, unit: str | None = None, layer: str | None = None) -> str:
     """A case file with a comment on every key, and the silo of a drawing.
 
-    It is filled to the usual level, or where it is lower to nine tenths of its height.
+    It is filled to the usual level, or where it is lower to nine tenths of its height; its outlet
+    is the whole lowest edge, unless it lies between two sides. InputError for one that is no case.
     """
+    from silo2d.case.case import SiloCase
     from silo2d.case.settings import Fill, commented_case
 
     values = outline_changes(path, unit, layer)
     y = [corner[1] for corner in values["silo.outline"]]
     height = max(y) - min(y)
     level = {} if 1e3 * Fill().level <= height else {"fill.level": f"{0.9 * height:.4g} mm"}
-    return commented_case(Path(path).stem, {**values, "silo.outlet": None, **level})
+    keys = {"silo.outlet": None, **values, **level}
+    document: dict[str, Any] = {"name": "drawn"}
+    for place, value in keys.items():
+        section, key = place.split(".")
+        if value is not None:
+            document.setdefault(section, {})[key] = value
+    SiloCase.resolve(document, str(path), Path())  # refused before a file is written
+    return commented_case(Path(path).stem, keys)
 
 
-def _inside(curves: list[Curve], where: str) -> Points:
-    """The polygon (n, 2) of the inside, from the one closed curve or the open sides."""
+def _inside(curves: list[Curve], where: str) -> tuple[Points, Points | None]:
+    """The polygon (n, 2) of the inside, from the one closed curve or the open sides.
+
+    Of two sides also their lower ends (2, 2).
+    """
     closed = [one.points for one in curves if one.closed]
     sides = [one.points for one in curves if not one.closed]
     if len(closed) == 1 and not sides:
-        return closed[0].copy()
+        return closed[0].copy(), None
     if len(sides) == 1 and not closed:
-        return sides[0].copy()
+        return sides[0].copy(), None
     if len(sides) == 2 and not closed:
         down, up = (side if side[0, 1] > side[-1, 1] else side[::-1] for side in sides)
-        return np.concatenate([down, up[::-1]])
+        return np.concatenate([down, up[::-1]]), np.array([down[-1], up[-1]])
     parts = [f"{len(closed)} closed"] * bool(closed) + [f"{len(sides)} open"] * bool(sides)
     raise InputError(
         f"{where}: {' and '.join(parts)} curves; a silo is one closed curve, or one or two open "

@@ -41,8 +41,8 @@ def echo(case: SiloCase, dry_run: bool) -> str:
     lines = [
         f"{case.name}, seed {run.seed}",
         f"  silo        {outline.width:g} m wide, {outline.height:g} m high, outlet "
-        f"{outline.outlet:g} m, filled to {fill.level:g} m (about {expected_particles(case)} "
-        "particles)",
+        f"{outline.outlet:g} m{_outlet(case)}, filled to {fill.level:g} m (about "
+        f"{expected_particles(case)} particles)",
         f"  particles   {case.shapes.name}: {len(case.shapes.shapes)} shapes, mean area "
         f"{case.shapes.mean_area:.4g} m2, {case.surface_density:g} kg/m2, mean mass "
         f"{case.mean_mass:.4g} kg",
@@ -76,6 +76,15 @@ def echo(case: SiloCase, dry_run: bool) -> str:
     return "\n".join(
         [*lines, *_frames(case), *room.lines(disk_at_most(case), memory_at_most(case))]
     )
+
+
+def _outlet(case: SiloCase) -> str:
+    """Words on an outlet that is not in the middle, or that nobody has given."""
+    outline, silo = case.outline, case.settings.silo
+    off = outline.outlet_centre - float(outline.polygon[:, 0].min()) - outline.width / 2
+    if silo.outline is not None and silo.outlet is None and not silo.outlets:
+        return " (all of its lowest edge, as no outlet is given)"
+    return f" ({abs(off):.4g} m off its middle)" if abs(off) > 1e-6 * outline.width else ""
 
 
 def _derived(case: SiloCase) -> list[str]:

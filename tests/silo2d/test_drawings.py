@@ -19,7 +19,7 @@ from made_drawings import (
     svg_path,
 )
 from refusals import assert_refused, assert_refuses
-from small_silo import silo2d
+from small_silo import DRY, silo2d
 
 from silo2d.case.case import SiloCase
 from silo2d.case.shapefile import load_shapes
@@ -415,6 +415,38 @@ def test_the_command_writes_a_shape_file_that_a_case_takes(stones, tmp_path):
     assert_refused(again, "exists")
     wrong = silo2d("shapes", "import", path, "--scale", "2 kg", "-o", tmp_path / "o.toml")
     assert_refused(wrong, "--scale", "unit")
+
+
+def test_the_gap_between_two_sides_is_the_outlet(tmp_path, monkeypatch):
+    """45 mm from 35 to 80 mm in a floor of 160 mm: the floor on both sides of it stays."""
+    monkeypatch.chdir(tmp_path)
+    left, right = [(0, 300), (0, 0), (35, 0)], [(80, 0), (160, 0), (160, 300)]
+    sides = "".join(dxf_polyline(one, closed=False) for one in (left, right))
+    drawing = written(tmp_path, "sides.dxf", dxf(sides))
+    assert silo2d("init", "drawn.toml", "--outline", drawing).code == 0
+    outline = SiloCase.load("drawn.toml").outline
+    assert (outline.outlet, outline.outlet_centre) == pytest.approx((0.045, 0.0575))
+    assert [name for name in outline.walls().names if "floor" in name] == [
+        "floor right", "floor left"
+    ]  # fmt: skip
+    shown = silo2d("run", "drawn.toml", "--dry-run", "--no-figures").out
+    assert "outlet 0.045 m (0.0225 m off its middle)" in " ".join(shown.split())
+    whole = written(
+        tmp_path, "whole.dxf", dxf(dxf_polyline([*left[1:0:-1], *left[:1], *right[::-1]]))
+    )
+    shown = silo2d("run", "A4", "--outline", whole, "--fill-level", "200 mm", *DRY).out
+    assert "outlet 0.16 m (all of its lowest edge" in " ".join(shown.split())
+
+
+def test_a_drawing_that_is_no_case_is_refused_before_one_is_written(tmp_path, monkeypatch):
+    """A floor that rises by a millimetre, and metres that were taken for millimetres."""
+    monkeypatch.chdir(tmp_path)
+    tilted = dxf_polyline([(0, 0), (160, 1), (160, 300), (0, 300)])
+    small = dxf_polyline([(0, 0), (0.16, 0), (0.16, 0.3), (0, 0.3)])
+    for name, text, words in (("tilt", tilted, "not horizontal"), ("small", small, "narrowest")):
+        drawing = written(tmp_path, f"{name}.dxf", dxf(text))
+        assert_refused(silo2d("init", "x.toml", "--outline", drawing), f"{name}.dxf", words)
+    assert not (tmp_path / "x.toml").exists()
 
 
 def test_run_and_init_take_the_silo_of_a_drawing(tmp_path, monkeypatch):

@@ -116,7 +116,7 @@ async function imported(one, plane, outline, input, unit, draw) {
     outline.set(found.outline);
     draw(false);
     plane.moved = false;
-    one.form.set("silo.outlet", "");
+    for (const key of ["outlet", "outlet_centre"]) one.form.set(`silo.${key}`, found[key] ?? "");
     written(one, outline);
     note(`${found.outline.length} corners from ${name}`);
   } catch (error) {

@@ -13,15 +13,18 @@ from granulab.errors import InputError
 from granulab.studio.folder import Folder
 from granulab.studio.rooms.silo import outlines_of
 from silo2d.case.shapefile import load_shapes
-from silo2d.drawings.outline import silo_outline
+from silo2d.drawings.outline import outline_changes
 from silo2d.drawings.shapes import import_shapes, positive_length
 
 Ends = tuple[float, float, float, float]
 
 
 def outline(folder: Folder, file: str, unit: str = "", layer: str = "") -> dict[str, Any]:
-    """The corners [mm] of the silo in a drawing of the folder."""
-    return {"outline": silo_outline(folder.file(file), unit or None, layer or None)}
+    """The corners [mm] of the silo in a drawing of the folder, and its outlet between two sides."""
+    found = outline_changes(folder.file(file), unit or None, layer or None)
+    return {
+        key: found.get(f"silo.{key}") for key in ("outline", "outlet", "outlet_centre")
+    }  # None: the whole lowest edge
 
 
 def shapes(folder: Folder, name: str) -> dict[str, Any]:
