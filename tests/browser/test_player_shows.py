@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image, ImageDraw
 from scipy.ndimage import binary_dilation, binary_erosion
+from shapely import Polygon, hausdorff_distance
 from test_player_plays import pixels, stage_of
 
 from damper3d.view.scene import read_scene as damper_scene
@@ -143,6 +144,26 @@ def test_a_polygon_is_drawn_as_it_lies(small_silo_page, reference, open_page):
         assert inside[between].sum() > 3000, particle
         assert painted(image)[between][inside[between]].all(), particle
         assert not painted(image)[between][~near[between]].any(), particle
+
+
+def test_a_small_disc_is_drawn_round(small_silo_page, open_page):
+    """Corners are left out up to the 0.3 px that the outline may lie off, all of them together:
+    of a disc of 7 px, whose chords lie r (1 - cos(pi/n)) inside, there must be eleven at least.
+    """
+    shown = open_page(small_silo_page)
+    angle = np.linspace(0.0, 2 * np.pi, 64, endpoint=False)
+    circle = 7.0 * np.column_stack([np.cos(angle), np.sin(angle)])  # [px]
+    drawn = shown.run(
+        "(circle) => { const { view } = player, found = [];"
+        " view.scene.outlines = [circle.map((p) => p.map((c) => c / view.scale / view.ratio))];"
+        " for (const name of ['moveTo', 'lineTo'])"
+        "   Path2D.prototype[name] = (x, y) => found.push([x, y]);"
+        " view.simplify();"
+        " return found.map((p) => p.map((c) => c * view.scale * view.ratio)); }",
+        circle.tolist(),
+    )
+    assert 11 <= len(drawn) < 32
+    assert hausdorff_distance(Polygon(circle).exterior, Polygon(drawn).exterior) <= 0.3 + 1e-6
 
 
 def test_multi_sphere_particles_are_drawn_as_they_lie(clusters_page, open_page, tmp_path):

@@ -188,17 +188,23 @@ export class Plane {
   }
 }
 
-/** An outline without the corners that lie within a distance of the line past them. */
+/** An outline without corners, those left out within a distance of the lines past them. */
 function thinned(points, distance) {
-  const kept = [];
-  for (let k = 0; k < points.length; k++) {
-    const [ax, ay] = kept.at(-1) ?? points.at(-1);
-    const [x, y] = points[k], [bx, by] = points[(k + 1) % points.length];
-    const length = Math.hypot(bx - ax, by - ay) || 1e-12;
-    const off = Math.abs((bx - ax) * (y - ay) - (by - ay) * (x - ax)) / length;
-    if (off > distance) kept.push(points[k]);
+  const kept = [points[0]];
+  for (let last = 0, k = 1; k < points.length; k++) {
+    const past = points.slice(last + 1, k + 1), next = points[(k + 1) % points.length];
+    if (past.some((point) => offLine(point, points[last], next) > distance)) {
+      kept.push(points[k]);
+      last = k;
+    }
   }
   return kept.length > 2 ? kept : points;
+}
+
+/** Distance of a point from the line through two others. */
+function offLine([x, y], [ax, ay], [bx, by]) {
+  const length = Math.hypot(bx - ax, by - ay) || 1e-12;
+  return Math.abs((bx - ax) * (y - ay) - (by - ay) * (x - ax)) / length;
 }
 
 /** Whether a polygon holds a point: an odd number of its edges is to the right. */
