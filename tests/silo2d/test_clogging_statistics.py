@@ -376,6 +376,23 @@ def test_a_first_flow_that_ended_too_early_leaves_their_share_unknown(rng):
     assert (one["clogged"], one["runs"]) == (1, 2)
 
 
+def test_an_outlet_that_does_not_clog_bounds_its_mean(rng):
+    """Two runs of which nothing clogged: 800 and 400 left after their first cut, none of them in a
+    clog, so that fewer than 3.69 are expected (97.5 %): <s> above 1200/3.69."""
+    from silo2d.view.clogging.words import in_words
+
+    rows = [made_row(0.05, seed, 20, rng) for seed in (1, 2, 3)]
+    for row, n in zip(rows, (4, 2), strict=False):
+        row |= {"outlet_m": 0.06, "first_size": 200, "first_clogged": False, "sizes": [200] * n,
+                "cut": [1] * n}  # fmt: skip
+    found = study(rows, 0.15)
+    clogging, free = found["outlets"]
+    assert clogging["unclogged"] == 0
+    assert (free["mean_avalanche"], free["unclogged"]) == (None, 1200)
+    assert free["mean_avalanche_interval"] == [pytest.approx(1200 / 3.6889, rel=1e-4), None]
+    assert "nothing clogged at 60 mm: the bound is of 1,200 particles" in in_words(found)
+
+
 def test_outlets_that_refute_the_law_are_not_extrapolated(rng):
     from silo2d.view.clogging.words import in_words
 

@@ -55,9 +55,20 @@ class AtOutlet:
         return [cut for run in self.runs for cut in run.cut]
 
     @property
+    def unclogged(self) -> int:
+        """Particles that left after the first cut, where nothing clogged at all; else 0.
+
+        The flow from the opening is no avalanche, but once it was cut off it has forgotten that.
+        """
+        clogged = self.sizes or any(run.first_clogged for run in self.runs)
+        return 0 if clogged else sum(self.all_of("sizes"))
+
+    @property
     def mean(self) -> Mean:
-        """Mean avalanche."""
+        """Mean avalanche; of an outlet at which nothing clogged a lower bound."""
         cut = self.cut
+        if unclogged := self.unclogged:
+            return mean_avalanche(unclogged, 0)
         return mean_avalanche(sum(self.sizes), len(cut) - sum(cut), scatter(self.runs)[0])
 
 
@@ -153,6 +164,7 @@ def _at(one: AtOutlet, n: int | None, rest_time: float, start: float) -> dict[st
         "interval": list(wilson(clogged, known)),
         "avalanches": len(sizes),
         "cut": sum(cut),
+        "unclogged": one.unclogged,
         "mean_avalanche": mean.value,
         "mean_avalanche_interval": [mean.low, mean.high],
         "runs_alike": scatter(one.runs)[1],

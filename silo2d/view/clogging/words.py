@@ -163,8 +163,14 @@ def _together(found: Mapping[str, Any]) -> list[str]:
 
 
 def _early(found: Mapping[str, Any]) -> list[str]:
-    """Outlets at which runs ended before their avalanches were all there, and why."""
-    return [
+    """Outlets at which nothing clogged, or runs ended before their avalanches were all there."""
+    flows = [
+        f"nothing clogged at {1e3 * one['outlet_m']:g} mm: the bound is of {one['unclogged']:,} "
+        "particles, without those up to the first cut"
+        for one in found["outlets"]
+        if one["unclogged"]
+    ]
+    return flows + [
         f"{number} of the runs at {1e3 * one['outlet_m']:g} mm ended {_ENDS[outcome]}"
         for one in found["outlets"]
         for outcome, number in one["ended_early"].items()
