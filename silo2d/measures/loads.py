@@ -200,15 +200,19 @@ def draw(folder: Path, between: tuple[float, float] | None = None) -> "Figure":
     return figure
 
 
-def profile(stage: dict[str, Any], key: str) -> tuple[Floats, Floats, Floats | None]:
+def profile(
+    stage: dict[str, Any], key: str, of: str | None = None
+) -> tuple[Floats, Floats, Floats | None]:
     """Height, mean over the two sides, and rms of means over AVERAGED, of walls not level.
 
+    of: "left" or "right", the values of one side in place of the mean.
     Heights are the middles of the stretches of either side that both sides have a wall at; inserts
     are of no side.
     """
     walls = [wall for wall in stage["walls"] if wall["side"] and wall["part"] != "floor"]
     heights = np.unique(np.round([height for wall in walls for height in wall["height_m"]], 6))
-    own = [[wall for wall in walls if wall["side"] == side] for side in _SIDES.values()]
+    wanted = _SIDES.values() if of is None else [of]
+    own = [[wall for wall in walls if wall["side"] == side] for side in wanted]
     value = np.mean([_at(heights, several, key) for several in own], axis=0)
     rms = np.mean([_at(heights, several, "averaged_rms_pa") for several in own], axis=0)
     both = np.isfinite(value)

@@ -14,6 +14,7 @@ from hand_built import moment_of, scene_of, simulation_in
 from refusals import assert_refused, assert_refuses, refusal
 from small_silo import DischargeStop, silo2d, the_run, write_case
 
+from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import read_tables, read_trajectory
 from granulab.errors import Stopped
 from silo2d.case.beds.openings import with_inserts, with_outlets
@@ -540,8 +541,39 @@ def test_an_outlet_out_of_the_middle_is_as_eccentric_as_it_is(sampled, monkeypat
     )  # fmt: skip
     for changes, expected in (({}, 0.035), ({"rules.outlet_eccentricity": "10 mm"}, 0.010)):
         given = {"solid.internal_friction": "30 deg"} | changes
-        found = study.study([sampled], None, given)["closed_forms"]
-        assert found["rules"]["outlet_eccentricity"] == pytest.approx(expected, abs=1e-9)
+        found = study.study([sampled], None, given)
+        rules = found["closed_forms"]["rules"]
+        assert rules["outlet_eccentricity"] == pytest.approx(expected, abs=1e-9)
+        said = " ".join(in_words(found).split())
+        assert f"{expected:.3g} m ({expected / 0.08:.2f} d_c) off the middle" in said
+        assert "flow also left and right of the outlet" in said
+        for row in found["compared"]:
+            both = row["flow_left_pa"] + row["flow_right_pa"]
+            assert both / 2 == pytest.approx(row["flow_pa"])
+
+
+def test_what_is_of_the_runs_in_place_of_the_table_is_said(sampled, monkeypatch):
+    """A named solid whose unit weight and friction the runs have: with those of table E.1; and a
+    run that clogged, one whose fill is not at rest."""
+    measured = loads.measure
+
+    def restless(folder, between, stretch):
+        found = measured(folder, between, stretch)
+        found["stages"]["at_rest"]["balance"]["inertia_share"] = -0.107
+        return found
+
+    monkeypatch.setattr(study.loads, "measure", restless)
+    summary = RunFolder(sampled).read_summary()
+    monkeypatch.setattr(RunFolder, "read_summary", lambda _: summary | {"outcome": "clogged"})
+    found = study.study([sampled], None, {"solid.name": "maize"})
+    said = " ".join(in_words(found).split())
+    assert "of the runs, not of maize in table E.1: unit weight" in said
+    assert "(table: 8)" in said
+    assert "accelerates, by -11 % of its weight" in said
+    assert "clogged 1 of 1 runs: particles arch over the outlet by their size" in said
+    given = {"solid.name": "maize", "solid.unit_weight": "8 kN/m3",
+             "solid.internal_friction": "31 deg"}  # fmt: skip
+    assert "in table E.1" not in in_words(study.study([sampled], None, given))
 
 
 def test_case_with_a_silo_in_the_file_of_its_solid_is_refused(tmp_path):

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from granulab.campaign.runs.folder import RunFolder
 from granulab.contact.files.units import located
 from granulab.errors import FolderError, InputError
 from silo2d.case.case import SiloCase
@@ -17,6 +18,8 @@ from silo2d.loads.assess import Loads, closed_forms
 from silo2d.loads.design import Design, design_of, load_beside
 from silo2d.loads.janssen import Floats
 from silo2d.loads.jenike import flow_pattern, mass_flow_limit
+from silo2d.loads.solid import find_row
+from silo2d.loads.spec import SolidKeys
 from silo2d.loads.vessel import Vessel
 from silo2d.measures import fields, loads, massflow
 from silo2d.measures.basics.contacts import read_moments
@@ -29,6 +32,7 @@ from silo2d.view.scene import Scene
 _LEVEL = {"rules.surface": "level"}  # a filling of the simulation is levelled off
 _SLENDEREST = 10.0  # h_c/d_c, for which the standard is made (1.1.2)
 _LARGEST_PARTICLE = 0.03  # of d_c, for which the standard is made (1.1.2)
+_AT_REST = 0.05  # of the weight, that walls and base lack: A4 has 0.01 to 0.02
 _BEAR_NOTHING = 0.005  # of the weight
 _ROWS = 13  # stretches of the vertical walls at most
 Between = tuple[float, float] | None
@@ -98,13 +102,17 @@ def study(
             "such as --internal-friction '30 deg'"
         )
     design = design_of(beside, vessel, spec or "the options", known)
-    notes = (*design.assumptions, *_notes(scene, vessel, dem))
+    notes = (
+        *design.assumptions, *_in_place_of_the_table(beside.solid, known),
+        *_notes(scene, vessel, dem),
+    )  # fmt: skip
     design = dataclasses.replace(design, name=cases[0].name, assumptions=notes)
     return {
         "case": cases[0].name,
         "silo": cases[0].label,
         "seeds": [case.settings.run.seed for case in cases],
         "runs": [str(folder) for folder in folders],
+        "outcomes": [RunFolder(folder).read_summary()["outcome"] for folder in folders],
         "fill_m": own.fill[0],
         "foot_m": foot,
         "dem": dem,
@@ -151,12 +159,37 @@ def _notes(scene: Scene, vessel: Vessel, dem: Mapping[str, Any]) -> list[str]:
             f"h_c/d_c = {vessel.slenderness:.1f}: the standard is made for below 10 (1.1.2)"
         )
     rest = dem["stages"]["at_rest"]["balance"]
+    if abs(rest["inertia_share"]) > _AT_REST:
+        found.append(
+            f"at rest the fill still accelerates, by {100 * rest['inertia_share']:.0f} % of its "
+            "weight in the mean: friction at the walls is not what it comes to; let it settle "
+            "longer ([fill] settled, below 1e-4)"
+        )
     if abs(rest["walls_share"]) < _BEAR_NOTHING:
         found.append(
             "filled without friction: at rest the walls bear nothing, the stress is hydrostatic, "
             "and no law of the closed forms holds ([fill] friction = true fills with it)"
         )
     return found
+
+
+def _in_place_of_the_table(solid: SolidKeys, known: Mapping[str, float]) -> list[str]:
+    """Line on properties of the runs that stand in place of those of a named solid."""
+    if solid.name is None:
+        return []
+    row, found = find_row(solid.name), []
+    for name, words, unit, factor in (
+        ("unit_weight", "unit weight", "kN/m3", 1e-3),
+        ("internal_friction", "internal friction", "deg", math.degrees(1.0)),
+    ):
+        if name in known and getattr(solid, name) is None:
+            of_table = factor * getattr(row, name)
+            found.append(f"{words} {factor * known[name]:.3g} {unit} (table: {of_table:.3g})")
+    if not found:
+        return []
+    return [
+        f"of the runs, not of {solid.name} in table E.1: {', '.join(found)}; give them for others"
+    ]
 
 
 def _known(case: SiloCase, own: Column, length: float, dem: Mapping[str, Any]) -> dict[str, float]:
@@ -262,6 +295,13 @@ def compared(
     profiles = {
         name: [loads.profile(one["stages"][name], "normal_pa") for one in each] for name in names
     }
+    sides = {
+        name: {
+            side: [loads.profile(one["stages"][name], "normal_pa", side) for one in each]
+            for side in ("left", "right")
+        }
+        for name in names
+    }
     for k, height in enumerate(profiles[names[0]][0][0]):
         if not foot <= height < fill:
             continue
@@ -271,6 +311,9 @@ def compared(
             values = [float(one[1][k]) for one in several]
             row[f"{name}_pa"] = float(np.mean(values))
             row[f"{name}_half_width_pa"] = half_width(values) if len(values) > 1 else None
+            for side, lists in sides[name].items():
+                near = [float(np.interp(height, at, value)) for at, value, _ in lists]
+                row[f"{name}_{side}_pa"] = float(np.mean(near))
         row |= {
             "janssen_pa": table["janssen_horizontal_pa"][0],
             "en_filling_pa": table["filling_horizontal_pa"][0],

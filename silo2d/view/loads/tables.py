@@ -52,7 +52,8 @@ def facts_of(forms: Mapping[str, Any]) -> list[Part]:
     )  # fmt: skip
     return [
         Fact("silo", f"{silo['plan']}, {size}, walls {silo['height_m']:.4g} m high, {hopper}, "
-                     f"outlet {silo['outlet_m']:.3g} m; holds {_force(silo['weight_n'])}"),
+                     f"outlet {silo['outlet_m']:.3g} m{_off_the_middle(forms)}; holds "
+                     f"{_force(silo['weight_n'])}"),
         Fact("solid", f"{solid['name']}: {solid['unit_weight_n_per_m3'] / 1e3:.3g} kN/m3, "
                       f"repose {_degrees(solid['repose_rad'])}, internal friction "
                       f"{_degrees(solid['internal_friction_rad'])}, K "
@@ -62,6 +63,13 @@ def facts_of(forms: Mapping[str, Any]) -> list[Part]:
                       f"class {forms['rules']['assessment_class']}; h_o = "
                       f"{forms['highest_contact_m']:.3g} m"),
     ]  # fmt: skip
+
+
+def _off_the_middle(forms: Mapping[str, Any]) -> str:
+    """Words on an outlet that is not in the middle."""
+    off = forms["rules"]["outlet_eccentricity"]
+    part = off / forms["silo"]["characteristic_width_m"]
+    return f", {off:.3g} m ({part:.2f} d_c) off the middle" if off else ""
 
 
 def _degrees(angle: float) -> str:
@@ -223,17 +231,27 @@ def compared_table(found: Mapping[str, Any]) -> Table:
     """Pressures on the vertical walls by depth."""
     stages = [name for name in ("filling", "at_rest", "opening", "flow", "end")
               if name in found["dem"]["stages"]]  # fmt: skip
+    shown, eccentric = stages[-1], found["closed_forms"]["rules"]["outlet_eccentricity"] > 0
+    shown = "flow" if "flow" in stages else shown
     keys = [*stages, "janssen", "en_filling", "en_discharge"]
     if "flow" in stages and len(found["runs"]) > 1:
         keys.insert(stages.index("flow") + 1, "flow_half_width")
+    if eccentric:
+        at = stages.index(shown) + 1
+        keys[at:at] = [f"{shown}_left", f"{shown}_right"]
     rows = [
         (f"{row['depth_m']:.3f}", *(pascal(row[f"{key}_pa"]) for key in keys))
         for row in found["compared"]
     ]
-    names = {"janssen": "Janssen", "en_filling": "EN fill", "en_discharge": "EN disch",
-             "flow_half_width": "+-"}  # fmt: skip
+    names = {
+        "janssen": "Janssen", "en_filling": "EN fill", "en_discharge": "EN disch",
+        "flow_half_width": "+-", f"{shown}_left": "left", f"{shown}_right": "right",
+    }  # fmt: skip
     head = ("z [m]", *(names.get(key, key.replace("_", " ")) for key in keys))
-    return Table("pressure on the vertical walls [Pa], mean of both sides", head, rows)
+    title = "pressure on the vertical walls [Pa], mean of both sides"
+    if eccentric:
+        title += f"; {shown.replace('_', ' ')} also left and right of the outlet"
+    return Table(title, head, rows)
 
 
 def fluctuation_facts(dem: Mapping[str, Any]) -> list[Part]:
@@ -285,6 +303,12 @@ def flow_facts(found: Mapping[str, Any]) -> list[Part]:
     """Effective friction, Jenike's verdict and the mass flow index, dead zones."""
     dem, flow = found["dem"], found["flow"]
     parts: list[Part] = []
+    clogged = sum(one.startswith("clogged") for one in found["outcomes"])
+    if clogged:
+        parts.append(Fact(
+            "clogged", f"{clogged} of {len(found['outcomes'])} runs: particles arch over the "
+            "outlet by their size, without cohesion too (silo2d clog says how often)"
+        ))  # fmt: skip
     if dem["effective_friction_deg"] is not None:
         low, high = dem["effective_friction_low_deg"], dem["effective_friction_high_deg"]
         between = "" if low is None else f" ({low:.1f} to {high:.1f})"
@@ -295,7 +319,8 @@ def flow_facts(found: Mapping[str, Any]) -> list[Part]:
         parts.append(Fact("measured", f"{words}: {verdicts} after Jenike (limit {limits} deg)"))
     if flow["mass_flow_index"] is not None:
         parts.append(Fact("by the runs", f"{flow['by_index']}: lowest mass flow index "
-                                         f"{flow['mass_flow_index']:.2f} (limit 0.3)"))  # fmt: skip
+                                         f"{_no_sign(flow['mass_flow_index'], 2):.2f} "
+                                         "(limit 0.3)"))  # fmt: skip
     if dem["dead_share"] is not None:
         left = "" if dem["left_share"] is None else (
             f"; left at the end {1e4 * dem['left_area_m2']:.0f} cm2, "
