@@ -102,6 +102,11 @@ def test_no_bit_of_a_packed_bed_depends_on_the_skin(pairs):
     assert sims[1].world.balance.any()
 
 
+def test_cells_are_a_few_a_sphere_however_large_the_room():
+    """A sphere of 2.5 mm in a room of a metre: five million cells of its size."""
+    assert np.prod(lone(acrylic(), height=0.5).world.cells.shape) < 1010
+
+
 def test_no_bit_depends_on_samples_or_on_who_looks():
     digest, books = undisturbed("cylinder", STEPS)
     for steps_per_sample in (45, 1000, STEPS):
