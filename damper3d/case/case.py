@@ -124,9 +124,14 @@ class DamperCase:
         if given.damper is None:
             return cls._single(document, where, folder)
         dampers: list[DamperCase] = []
-        for own, here in documents(document, given, where):
-            first = dampers[0].modes.shape if dampers and dampers[0].modes else None
-            dampers.append(cls._single(own, here, folder, first))
+        for _ in range(2):  # alone, which gives their masses; then with what the others weigh
+            alone, dampers = dampers, []
+            for k, (own, here) in enumerate(documents(document, given, where)):
+                first = dampers[0].modes.shape if dampers and dampers[0].modes else None
+                others = (
+                    sum(one.load_on_host for one in alone) - alone[k].load_on_host if alone else 0.0
+                )
+                dampers.append(cls._single(own, here, folder, first, others))
         check_alike(dampers, where)
         shortest = min((one.steps for one in dampers), key=lambda steps: steps.time_step)
         for k, one in enumerate(dampers):
@@ -136,9 +141,10 @@ class DamperCase:
 
     @classmethod
     def _single(
-        cls, document: dict[str, Any], where: str, folder: Path, first: np.ndarray | None = None
-    ) -> "DamperCase":
-        """The case of one damper; first: shape at the first of several on its host."""
+        cls, document: dict[str, Any], where: str, folder: Path, first: np.ndarray | None = None,
+        others: float = 0.0,
+    ) -> "DamperCase":  # fmt: skip
+        """The case of one damper; of several on a host, first: shape at the first, others: load."""
         settings = with_usual_cycles(check_settings(document, where), document)
         shaken = with_motion(settings, folder, where, first)
         settings = shaken.settings
@@ -146,7 +152,7 @@ class DamperCase:
         file = find(settings.particles.materials, "materials", folder)
         table = table_of(file, settings)
         try:
-            case = _resolved(cls, shaken, table, where, Path(file), folder)
+            case = _resolved(cls, shaken, table, where, Path(file), folder, others)
             motion_of(settings.motion, where)  # refuses what its kind cannot be
             calculable = _calculable(case)
         except (OverflowError, ZeroDivisionError):
@@ -276,6 +282,11 @@ class DamperCase:
     def mass(self) -> float:
         """Mass of all particles [kg]."""
         return self.count * self.particle_mass
+
+    @property
+    def load_on_host(self) -> float:
+        """Mass of all particles over the host's at their enclosure [-]; 0 without a host."""
+        return 0.0 if self.modes is None else self.mass * float(self.modes.shape @ self.modes.shape)
 
     @property
     def fill_ratio(self) -> float:
@@ -523,7 +534,7 @@ class DamperCase:
 
 def _resolved(
     cls: type[DamperCase], shaken: Shaken, table: ContactTable, where: str, file: Path,
-    folder: Path,
+    folder: Path, others: float,
 ) -> DamperCase:  # fmt: skip
     settings, modes = shaken.settings, shaken.modes
     enclosure = enclosure_of(settings, where, folder)
@@ -553,14 +564,15 @@ def _resolved(
     if shaken.excitation is not None and shaken.peaks is not None:
         fastest = 2.0 * shaken.peaks.speed
         files |= shaken.excitation.files
-    others: list[Ball | Material] = [*balls, *walls]
+    partners: list[Ball | Material] = [*balls, *walls]
     pairings = tuple(
-        pairing_of(table, settings.law, balls[a], others[b], fastest)
+        pairing_of(table, settings.law, balls[a], partners[b], fastest)
         for a, b in pairs_of(len(balls), len(walls))
     )
     tangential = max(pairing.law.tangential for pairing in pairings)
     mobility = 0.0 if modes is None else float(modes.shape @ modes.shape)
     load = count * density * particle.volume * mobility if mobility else 0.0  # not infinity times 0
+    load += others
     swiftest = [(particle, materials[0], 1.0)] if bed is None else bed.swiftest(tangential)
     steps = [
         time_steps(one, own, tangential, settings, where, load, faster)

@@ -179,6 +179,12 @@ def check_law(law: Law, is_sphere: bool, where: str) -> None:
         wrong = "surface_energy goes with cohesion = 'dmt' or 'jkr'; give it, or leave this out"
     elif law.cohesion is not None and law.contact_end == "force":
         wrong = "cohesion pulls, and contact_end = 'force' lets nothing pull; give 'overlap'"
+    elif law.cohesion is not None and law.tangential == "force":
+        wrong = (
+            "cohesion ends a contact under a force that friction limits, and tangential = 'force' "
+            "keeps that in a spring whose stiffness goes to 0, with energy beyond bounds; give "
+            "'displacement'"
+        )
     elif law.rolling_friction is None and rolling != (None, None, None):
         wrong = "rolling_friction is missing; give it beside rolling_stiffness, such as 0.1"
     elif law.rolling_friction is not None and law.rolling_stiffness is None:

@@ -148,7 +148,7 @@ def time_steps(
 
     A cycle has a whole number of samples and a sample a whole number of steps, so the step that
     is given, or the usual one, is shortened to fit. tangential is kt/kn of the contacts [-], load
-    the mass of the bed over that of the host: walls that give way make contacts swifter. One
+    the mass of all beds on a host over its own: walls that give way make contacts swifter. One
     particle of mass m on a host M swings by sqrt(1 + m/M) faster, and all together, each on a
     contact of its own, by sqrt(1 + load). Contacts with other particles may oscillate faster than
     those with a wall by the factor `faster`.

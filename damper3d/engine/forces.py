@@ -12,7 +12,7 @@ step, so that no velocity need be gathered twice.
 import numpy as np
 from numba import types
 
-from damper3d.engine.geometry import between_spheres, entry, put, vector
+from damper3d.engine.geometry import between_spheres, entry, put, surface_motion
 from damper3d.engine.kinds import alone, find_at_wall, find_pairs
 from damper3d.engine.laws.balance import (
     NO_LOSS,
@@ -23,7 +23,15 @@ from damper3d.engine.laws.balance import (
     take_totals,
 )
 from damper3d.engine.laws.rolling import roll
-from damper3d.engine.laws.table import face_wall, halo, law_of, normal_force, note_laws, tear
+from damper3d.engine.laws.table import (
+    face_wall,
+    halo,
+    law_of,
+    normal_force,
+    note_laws,
+    tear,
+    without_slip,
+)
 from damper3d.engine.motions.turning import count_turning, turn_wall, without_walls
 from damper3d.engine.shared.results import keep_results
 from damper3d.engine.simd import gather, keep_history, whole
@@ -48,15 +56,14 @@ from damper3d.engine.state import (
     WALL_WORK,
     YIELD,
 )
-from damper3d.engine.walls import place_wall, with_wall
+from damper3d.engine.walls import bend, place_wall, with_wall
 from granulab.contact.hertz import (
-    carried_spring,
     damping_of_impact,
     mindlin_force,
     spring_work,
     with_history,
 )
-from granulab.contact.jit import inlined_inner, inner, specialised
+from granulab.contact.jit import inlined_inner, specialised
 from granulab.contact.vectors import add, cross, dot, scale
 
 _LOOK = 16  # steps after which it is seen again how many pairs of a list touch
@@ -118,6 +125,7 @@ def choose_pairs(world, part):
 def push_at_wall(world, w, first, last):
     """Forces of contacts first ... last - 1, with wall w; where those that touch end."""
     block = world.block
+    bend(world, w, first, last)
     end = find_at_wall(world, w, first, last)
     for begin in range(first, end, BLOCK):
         n = min(end - begin, BLOCK)
@@ -138,10 +146,14 @@ def meet_wall(spheres, walls, contacts, w, begin, n_contacts, block):
 
 @inlined_inner
 def take_push(world, force):
-    """Move the force that a wall's contacts left in the last row to the wall; its power."""
+    """Move the force that a wall's contacts left in the last row to the wall; its power.
+
+    And wipe the couples of rolling there, which do no work on a wall that does not turn.
+    """
     spheres, last = world.spheres, len(world.spheres.inverse_mass)
     take_heat(world.particles.dissipated, spheres.torque, last)
-    spheres.torque[last, 3] = 0.0
+    for c in range(4):
+        spheres.torque[last, c] = 0.0
     power = 0.0
     for c in range(3):
         power += spheres.force[last, c] * spheres.velocity[last, c]
@@ -181,16 +193,8 @@ def add_at_once(world, law, contacts, begin, n_contacts):
     spheres, block, dt = world.spheres, world.block, world.time_step
     touching = contacts.touching
     add_and_sum(spheres, contacts.i, contacts.j, touching, begin, n_contacts, block)
-    roll(law, spheres, contacts, begin, n_contacts, block, dt)
+    roll(world, law, contacts, begin, n_contacts)
     tear(law, spheres, contacts, begin, n_contacts, block, dt)
-
-
-@inner
-def surface_motion(block, k):
-    """Of contact k: normal, rate of the overlap [m/s], velocity of slip [m/s]."""
-    normal, velocity = vector(block.normal, k), vector(block.velocity, k)
-    rate = -dot(velocity, normal)
-    return normal, rate, add(velocity, scale(rate, normal))
 
 
 @inlined_inner
@@ -246,14 +250,6 @@ def apply_law(laws, stored_force, n_contacts, block, dt):
         block.stiffness_work[k] = touches * stiffness_work
         block.slip_power[k] = -slides * dot(force, slip_rate)
         block.lost[k] = touches * 0.5 * ((inelastic * rate + power) * dt + friction_work)
-
-
-@inner
-def without_slip(law, history, k, normal, kt_before, kt, moved):
-    """The spring of contact k a step before, and now if it did not slip; see carried_spring."""
-    held = history[entry(SPRING_X, k)], history[entry(SPRING_Y, k)], history[entry(SPRING_Z, k)]
-    ahead = history[entry(MOVED_X, k)], history[entry(MOVED_Y, k)], history[entry(MOVED_Z, k)]
-    return carried_spring(law, held, ahead, normal, kt_before, kt, moved)
 
 
 @inlined_inner

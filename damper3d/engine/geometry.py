@@ -14,7 +14,7 @@ import numpy as np
 from damper3d.engine.simd import separate, whole
 from damper3d.engine.state import BLOCK, DAMPING, RADIUS_I, RADIUS_J
 from granulab.contact.jit import inlined, inlined_inner, inner, uncounted
-from granulab.contact.vectors import cross, dot, scale
+from granulab.contact.vectors import add, cross, dot, scale
 
 _ROUNDING = 1.0 + 1e-12  # squares may say "apart" where the root, rounded, says "touching"
 
@@ -39,6 +39,14 @@ def vector(rows, k):
 def put(rows, k, v):
     """Let a vector stand in lane k of three rows of a block."""
     rows[entry(0, k)], rows[entry(1, k)], rows[entry(2, k)] = v
+
+
+@inner
+def surface_motion(block, k):
+    """Of contact k: normal, rate of the overlap [m/s], velocity of slip [m/s]."""
+    normal, velocity = vector(block.normal, k), vector(block.velocity, k)
+    rate = -dot(velocity, normal)
+    return normal, rate, add(velocity, scale(rate, normal))
 
 
 @inner

@@ -30,7 +30,7 @@ from damper3d.engine.kinds import (
     remember_pairs,
 )
 from damper3d.engine.laws.rolling import copy_rolled, wipe_rolled
-from damper3d.engine.laws.table import face_wall, halo, hertz_of
+from damper3d.engine.laws.table import face_wall
 from damper3d.engine.motions.host import mobility
 from damper3d.engine.state import (
     DAMPING,
@@ -64,9 +64,9 @@ from damper3d.engine.state import (
 )
 from damper3d.engine.walls import (
     gap_to_wall,
+    hertz_at_wall,
     is_triangulated,
     note_listed,
-    radius_at_wall,
 )
 from granulab.contact.jit import inner, specialised, uncounted
 
@@ -465,8 +465,7 @@ def _contact_with_wall(world, w, i, b, shift, n):
         # row m is the enclosure
         wall.i[n], wall.j[n], wall.group[n] = i, len(spheres.inverse_mass), b
         wall.cutoff[n] = wall.constants[n, RADIUS_I] = x[i, 3]
-        own_radius = radius_at_wall(walls, x, w, i, shift) - halo(world.wall_law)
-        hertz = hertz_of(world.wall_law, i, len(spheres.inverse_mass)) * np.sqrt(own_radius)
+        hertz = hertz_at_wall(world, w, i, shift)
         wall.constants[n, HERTZ] = wall.whole[n, 0] = hertz
         mass = 1.0 / (spheres.inverse_mass[i] + mobility(world.shaker))
         wall.constants[n, MASS] = wall.whole[n, 1] = mass

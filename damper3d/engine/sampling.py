@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from damper3d.engine.forces import contact_law, meet_wall, surface_motion, without_slip
-from damper3d.engine.geometry import between_spheres, entry
+from damper3d.engine.forces import contact_law, meet_wall
+from damper3d.engine.geometry import between_spheres, entry, surface_motion
 from damper3d.engine.integrate import place_now, search, take_steps
 from damper3d.engine.kinds import find_at_wall, find_pairs, mean_motion
 from damper3d.engine.laws.rolling import rolling_energy
@@ -14,6 +14,7 @@ from damper3d.engine.laws.table import (
     normal_energy,
     normal_force,
     note_laws,
+    without_slip,
 )
 from damper3d.engine.motions.host import (
     HOST_DAMPING,
@@ -50,7 +51,7 @@ from damper3d.engine.state import (
     VELOCITY,
     YIELD,
 )
-from damper3d.engine.walls import place_wall
+from damper3d.engine.walls import bend, place_wall
 from granulab.contact.hertz import mindlin_force, spring_energy
 from granulab.contact.jit import inner, specialised, uncounted
 from granulab.contact.vectors import scale
@@ -158,6 +159,7 @@ def energies_at_walls(world, shift, speed, row):
     for w in range(len(walls.force)):
         place_wall(spheres, walls, w, shift, speed)
         face_wall(world.wall_law, w)
+        bend(world, w, walls.first[w], walls.first[w + 1])
         end = find_at_wall(world, w, walls.first[w], walls.first[w + 1])
         for begin in range(walls.first[w], end, BLOCK):
             n = min(end - begin, BLOCK)
@@ -190,9 +192,7 @@ def add_elastic(world, laws, contacts, begin, n_contacts, row, count):
         held = mindlin_force(law, stiffness, dashpot, load, trial, slip_rate)[1]
         row[ELASTIC_NORMAL] += normal_energy(laws, law, stiffness, overlap, k)
         row[ELASTIC_TANGENTIAL] += spring_energy(law, stiffness, held)
-        row[ELASTIC_TANGENTIAL] += rolling_energy(
-            laws, world.spheres, contacts, begin, k, block, dt
-        )
+        row[ELASTIC_TANGENTIAL] += rolling_energy(world, laws, contacts, begin, k)
         row[count] += 1.0
 
 
@@ -234,6 +234,7 @@ def list_at_walls(world, shift, speed, particles, numbers, found):
     for w in range(len(walls.force)):
         place_wall(spheres, walls, w, shift, speed)
         face_wall(world.wall_law, w)
+        bend(world, w, walls.first[w], walls.first[w + 1])
         end = find_at_wall(world, w, walls.first[w], walls.first[w + 1])
         for begin in range(walls.first[w], end, BLOCK):
             n = min(end - begin, BLOCK)

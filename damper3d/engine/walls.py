@@ -13,10 +13,15 @@ from numba import types
 
 from damper3d.engine.enclosures import nearest_of
 from damper3d.engine.enclosures.cavity import Triangles
+from damper3d.engine.enclosures.cells import Sides
+from damper3d.engine.enclosures.enclosure import Round
+from damper3d.engine.enclosures.lines import Lines
 from damper3d.engine.enclosures.places import to_feature, touching_places
+from damper3d.engine.enclosures.sphere import Ball
 from damper3d.engine.geometry import note_touching, to_plane, vector, wall_contact
+from damper3d.engine.laws.table import halo, hertz_of
 from damper3d.engine.simd import separate, whole
-from damper3d.engine.state import BLOCK, STALE_WALL, WALL_SKIN
+from damper3d.engine.state import BLOCK, HERTZ, STALE_WALL, WALL_SKIN
 from granulab.contact.jit import inlined, inlined_inner, inner, specialised
 
 # The servo of one wall: which, whether it is on; its target [N], viscosity [N s/m], speed limit.
@@ -62,6 +67,13 @@ def place_wall(spheres, walls, w, shift, speed):
     """Let the last row of the spheres be at wall w; shift and speed: the enclosure's."""
 
 
+def bend(world, w, first, last):
+    """Let contacts first ... last - 1 know the curvature of wall w at their places.
+
+    Where it is the same all over they know it from when they were listed.
+    """
+
+
 def with_wall(walls, contacts, w, begin, n_contacts, block):
     """Geometry of contacts of spheres with wall w in the first lanes of a block."""
 
@@ -81,6 +93,7 @@ def note_listed(world, margin):
     """Take half of the wall skin off the margins (n,), for walls that move each by itself."""
 
 
+_EVENLY_CURVED = Round, Ball, Sides, Lines, Triangles  # surfaces of one curvature, or flat ones
 _COMPILED = {}  # geometry of curved walls, by the type of their numbers
 
 
@@ -165,6 +178,34 @@ def radius_at_wall(walls, x, w, i, shift):
     number = w - len(walls.planes)
     mean = nearest(walls.surface, number, x[i, 0] - s[0], x[i, 1] - s[1], x[i, 2] - s[2])[2]
     return radius if mean == np.inf else mean * radius / (mean - radius)
+
+
+@inlined
+def hertz_at_wall(world, w, i, shift):
+    """Hertz constant of sphere i against wall w, at the place of it that is nearest [N/m^1.5]."""
+    walls, spheres, law = world.walls, world.spheres, world.wall_law
+    own_radius = radius_at_wall(walls, spheres.position, w, i, shift) - halo(law)
+    return hertz_of(law, i, len(spheres.inverse_mass)) * np.sqrt(own_radius)
+
+
+@specialised(bend)
+def _bend(world, w, first, last):
+    surface = world[world.fields.index("walls")]
+    surface = surface[surface.fields.index("surface")].instance_class
+    if surface in _EVENLY_CURVED:
+        return lambda world, w, first, last: None
+    return lambda world, w, first, last: _bend_contacts(world, w, first, last)
+
+
+@inner
+def _bend_contacts(world, w, first, last):
+    walls, contacts, x = world.walls, world.wall, world.spheres.position
+    if walls.curved and w >= len(walls.planes):
+        wall = x[len(x) - 1]
+        shift = wall[0], wall[1], wall[2]
+        for n in range(first, last):
+            hertz = hertz_at_wall(world, w, contacts.i[n], shift)
+            contacts.constants[n, HERTZ] = contacts.whole[n, 0] = hertz
 
 
 @specialised(with_wall)

@@ -35,6 +35,8 @@ _FIRST_SKIN = 0.01  # inner skin over the largest radius, before it follows the 
 # fewer than _WHOLE spheres is one part: its sums stay as they were before there were parts.
 _PART_OF_SPHERES, _PART_OF_MANY, _WHOLE = 64, 8, 512
 _WIDEST_OUTER_SKIN = 0.3  # of the outer skin over the bounding radius, for which cells are made
+_CELLS, _FEW_CELLS = 4, 1000  # at most so many a particle, and these: as in a bed that fills 0.1
+_WIDER = 1.25  # how much wider cells are made at a time where there would be more
 
 # Shape, particles, spheres; the largest radius of a sphere round a particle; capacities of lists.
 _Made = tuple[Any, Any, Spheres, float, dict[str, int]]
@@ -250,10 +252,17 @@ def _padded(vector: np.ndarray) -> np.ndarray:
 
 
 def _cells_over(enclosure: Enclosure, n: int, bounding: float, largest: float) -> Cells:
-    """Cells over the enclosure that are wide enough for the widest outer skin."""
+    """Cells over the enclosure that are wide enough for the widest outer skin.
+
+    Wider where few particles have much room: a few cells a particle, not the volume over its own.
+    """
     size = (2.0 + _WIDEST_OUTER_SKIN) * bounding
     inside = (enclosure.width, enclosure.depth, enclosure.height)
-    a, b, c = (max(math.ceil(length / size), 1) for length in inside)
+    while True:
+        a, b, c = (max(math.ceil(length / size), 1) for length in inside)
+        if a * b * c <= _CELLS * n + _FEW_CELLS:
+            break
+        size *= _WIDER
     return Cells(
         start=np.zeros(a * b * c + 2, np.int64),
         members=np.zeros(n, np.int64),

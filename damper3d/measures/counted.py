@@ -86,9 +86,9 @@ def most_energy(cycles: Cycles) -> np.ndarray:
     own, velocity = case.excitation, cycles.samples["velocity"]
     rim = None if own is None else own.rim_velocity(cycles.samples["time"])
     total = largest_sum(velocity if rim is None else rim, per_cycle)
-    across = None if own is None else own.across_velocity(cycles.samples["time"])
+    across = None if own is None else own.across(cycles.samples["time"])
     if across is not None:
-        total = total + largest_sum(across, per_cycle)
+        total = total + largest_sum(across[1], per_cycle)
     return np.asarray(0.5 * case.mass * total)
 
 

@@ -26,18 +26,22 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
     assert own is not None
     rim = own.rim_velocity(counted["time"])
     velocity = counted["velocity"] if rim is None else rim
+    acceleration = _acceleration(velocity, counted["time"])
     place = counted["displacement"]
     if rim is not None and own.lines is not None and own.rim is not None:
         place = own.rim * own.lines.at(counted["time"])[0]
+    across, aside = own.across(counted["time"]), own.aside(case.direction)
+    if across is not None and aside is not None:  # of two directions the sizes of both together
+        second = np.linalg.norm(aside) * np.array(across)
+        acceleration = np.hypot(acceleration, _acceleration(second[1], counted["time"]))
+        place, velocity = np.hypot(place, second[0]), np.hypot(velocity, second[1])
     return {
         "kind": own.kind,
         "on": own.on,
         "window_s": own.window,
         "peak_displacement_m": float(np.abs(place).max()),
         "peak_velocity_m_s": float(np.abs(velocity).max()),
-        "rms_acceleration_m_s2": float(
-            np.sqrt(np.mean(_acceleration(velocity, counted["time"]) ** 2))
-        ),
+        "rms_acceleration_m_s2": float(np.sqrt(np.mean(acceleration**2))),
         "most_energy_j": float(most[-1] - most[cycles.first]),
         "band_error_db": own.band_error,
         "taken_off": None if own.taken_off is None else {
@@ -93,7 +97,7 @@ def _half_span(values: np.ndarray) -> float:
 def spectrum(cycles: Cycles, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies [Hz] and density [(m/s2)^2/Hz] of an acceleration, from the velocity's rows.
 
-    Welch's mean over parts of an eighth of the counted time, with Hann's window.
+    Welch's mean over parts of a quarter of the counted time, with Hann's window.
     """
     from scipy.signal import welch
 

@@ -82,9 +82,17 @@ def along(samples: Samples, direction: np.ndarray) -> np.ndarray:
     return samples["wall_force"].sum(axis=1) @ direction
 
 
-def peak_wall_force(samples: Samples, direction: np.ndarray) -> float:
-    """Largest force [N], either way, on the enclosure along the motion; means over a sample."""
-    return float(np.abs(along(samples, direction)[1:]).max())
+def peak_wall_force(
+    samples: Samples, direction: np.ndarray, aside: np.ndarray | None = None
+) -> float:
+    """Largest force [N], either way, on the enclosure along the motion; means over a sample.
+
+    Of a motion of two directions in their plane; aside: what the second has across the first.
+    """
+    force = np.abs(along(samples, direction)[1:])
+    if aside is not None and (size := float(np.linalg.norm(aside))) > 0.0:
+        force = np.hypot(force, along(samples, aside / size)[1:])
+    return float(force.max())
 
 
 def bed_height(samples: Samples, up: np.ndarray, lowest: float) -> float:
@@ -99,7 +107,8 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
     """Design numbers of the counted cycles, by the names of a run's Result."""
     case, counted = cycles.case, cycles.counted
     if case.excitation is not None or case.arc is not None:
-        return _without_a_frequency(counted, case.direction)
+        aside = None if case.excitation is None else case.excitation.aside(case.direction)
+        return _without_a_frequency(counted, case.direction, aside)
     omega, speed = 2.0 * math.pi / case.period, cycles.peak_speed
     reference = reference_energy(speed, case.mass)
     eta = efficiencies(counted, cycles.per_cycle, reference)
@@ -118,7 +127,9 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
     }
 
 
-def _without_a_frequency(counted: Samples, direction: np.ndarray) -> dict[str, Any]:
+def _without_a_frequency(
+    counted: Samples, direction: np.ndarray, aside: np.ndarray | None
+) -> dict[str, Any]:
     """The same under an excitation that is no sine: what goes by one frequency is None."""
     length = float(counted["time"][-1] - counted["time"][0])
     return {
@@ -126,7 +137,7 @@ def _without_a_frequency(counted: Samples, direction: np.ndarray) -> dict[str, A
         "loss_factor": None,
         "equivalent_damping_n_s_per_m": None,
         "effective_mass": {"in_phase_kg": None, "out_of_phase_kg": None},
-        "peak_wall_force_n": peak_wall_force(counted, direction),
+        "peak_wall_force_n": peak_wall_force(counted, direction, aside),
     }
 
 

@@ -193,7 +193,7 @@ def _measured(folder: RunFolder, case: DamperCase, n_cycles: int) -> dict[str, A
     """The part of the results that measures make from what the run stored."""
     phase = (
         phase_of_run(folder.path, first_counted(case, n_cycles))
-        if case.excitation is None and case.settings.output.frames  # phases are told by cycles
+        if case.settings.output.frames
         else {"phase": None, "phase_next": None, "phase_measures": None}
     )
     return {**summarise(case, read_trajectory(folder.path)), **phase}

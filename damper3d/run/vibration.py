@@ -113,7 +113,8 @@ def _ended(case: DamperCase, clock: Clock) -> bool:
     """True where the last cycle is over: so many, or in a steady run as soon as they are steady."""
     run, n_cycles = case.settings.run, len(clock.lost) - 1
     if case.is_decay:
-        return n_cycles >= run.cycles or _has_decayed(clock)
+        counts = n_cycles > run.discard  # one at least, or there is nothing to measure
+        return n_cycles >= run.cycles or (counts and _has_decayed(clock))
     if not run.steady:
         return n_cycles >= run.cycles
     if case.modes is not None:

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import math
 import os
 import subprocess
 import sys
@@ -18,8 +19,17 @@ from small_silo import silo2d
 from damper3d.case.case import DamperCase
 from damper3d.engine.batch.batch import Batch, Batched
 from damper3d.engine.batch.loop import Processor
-from damper3d.engine.batch.slots import STEP, Slots, empty, put, reason_against, take
+from damper3d.engine.batch.slots import (
+    STEP,
+    Slots,
+    empty,
+    lacks_room,
+    put,
+    reason_against,
+    take,
+)
 from damper3d.engine.motions import Sines
+from damper3d.engine.simulation import Simulation
 from damper3d.engine.state import N_BALANCE, N_COLUMNS
 from damper3d.run.device import going_on
 from damper3d.run.fill import resting
@@ -206,6 +216,35 @@ def test_a_step_that_is_too_long_fails_as_it_does_alone(batch):
     with pytest.raises(SimulationError, match=r"try a shorter --time-step"):
         sim.run(500)
     sim.leave()
+
+
+def thrown_down(**changes) -> Simulation:
+    """Three spheres that fly to the floor at 3 m/s, without gravity."""
+    case = DamperCase.load("thesis", {"particles.count": 3, **changes})
+    sim = resting(case, np.array([[-0.01, 0.0, 0.003], [0.0, 0.0, 0.003], [0.01, 0.0, 0.003]]))
+    sim.begin_phase(gravity=np.zeros(4))
+    sim.set_velocity(np.array([[0.0, 0.0, -3.0]] * 3))
+    sim.steps_per_sample = 20
+    return sim
+
+
+def test_a_sphere_half_in_a_wall_fails_in_a_slot_too(batch):
+    """Acrylic of 30 kPa gives way by more than half a radius; the slot says so, and lets go."""
+    soft = {"law.youngs_modulus": "30 kPa"}
+    for sim in (thrown_down(**soft), Batched(thrown_down(**soft), batch)):
+        with pytest.raises(SimulationError, match="overlap reached half a radius"):
+            sim.run(100)
+    assert sum(batch.refused.values()) == 1
+
+
+def test_a_slot_takes_no_more_contacts_than_a_number_has_bits():
+    """24 neighbours and 42 walls: bits beyond the 63rd got lost, and with them contacts."""
+    around = 2 * np.pi * np.arange(40) / 40
+    faces = [[math.cos(a), math.sin(a), 0, 20] for a in around] + [[0, 0, 1, 40], [0, 0, -1, 0]]
+    walls = {"shape": "polyhedron", "faces": faces, "unit": "mm"}
+    sim = thrown_down(**{f"enclosure.{key}": value for key, value in walls.items()})
+    assert "walls" in (lacks_room(empty(1, 3, 42), sim) or "")
+    assert lacks_room(empty(1, 3, 42, room=21), sim) is None
 
 
 @pytest.mark.parametrize(

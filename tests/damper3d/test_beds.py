@@ -422,6 +422,7 @@ JKR = {"law__cohesion": "jkr", "law__surface_energy": "0.05 J/m2"}
         (JKR | {"law__surface_energy": "-1 J/m2"}, ["surface_energy", "greater than 0"]),
         (JKR | {"law__surface_energy": "1 N"}, ["surface_energy", "unit is wrong"]),
         (JKR | {"law__contact_end": "force"}, ["lets nothing pull"]),
+        (JKR | {"law__tangential": "force"}, ["tangential = 'force'", "'displacement'"]),
         (JKR | {"particles__shape": "prolate:1.5"}, ["cohesion is of spheres"]),
         (ROLLING | {"particles__shape": "prolate:1.5"}, ["rolling_friction is of spheres"]),
         ({"law__rolling_friction": 0.1}, ["rolling_stiffness is missing"]),

@@ -70,6 +70,19 @@ def test_no_bit_depends_on_the_skin(shape, pairs, walls):
     assert np.array_equal(sim.world.balance, books)
 
 
+def test_no_bit_depends_on_when_the_curvature_of_a_conical_wall_was_seen():
+    """It is that of the place where a sphere is now, not of where it was when it was listed."""
+    digests = []
+    for often, curved in ((False, True), (True, True), (False, False)):
+        sim = bed("frustum", speed=1.0)
+        sim.world = sim.world._replace(walls=sim.world.walls._replace(curved=curved))
+        for _ in range(60):
+            sim.world.counts[state.STALE_WALL] |= often
+            sim.step(50)
+        digests.append(sim.state_digest())
+    assert digests[0] == digests[1] != digests[2]
+
+
 @pytest.mark.parametrize("pairs", [0.002, 0.03])
 def test_no_bit_of_a_packed_bed_depends_on_the_skin(pairs):
     """Where most pairs of the list touch, those that do not are not looked for."""
@@ -87,6 +100,11 @@ def test_no_bit_of_a_packed_bed_depends_on_the_skin(pairs):
     assert sims[0].state_digest() == sims[1].state_digest()
     assert np.array_equal(sims[0].world.balance, sims[1].world.balance)
     assert sims[1].world.balance.any()
+
+
+def test_cells_are_a_few_a_sphere_however_large_the_room():
+    """A sphere of 2.5 mm in a room of a metre: five million cells of its size."""
+    assert np.prod(lone(acrylic(), height=0.5).world.cells.shape) < 1010
 
 
 def test_no_bit_depends_on_samples_or_on_who_looks():

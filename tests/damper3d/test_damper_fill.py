@@ -12,7 +12,7 @@ from small_damper import damper3d
 from damper3d.case.case import GRAVITY
 from damper3d.engine.enclosures import box, cylinder
 from damper3d.engine.growth import spheres
-from damper3d.engine.growth.spheres import grow, push_pairs
+from damper3d.engine.growth.spheres import cells_over, grow, push_pairs
 from damper3d.run import packing as packing_module
 from damper3d.run.fill import fill, random_start, resting
 from damper3d.run.packing import lowest, packing_folder, packing_fraction, volume_below
@@ -58,6 +58,15 @@ def test_a_cube_of_ten_diameters_is_filled_to_0_56():
     centres, reached = grow(enclosure, count, RADIUS, np.random.default_rng(2))
     assert reached == 1.0
     assert pdist(centres).min() >= 2 * RADIUS
+
+
+def test_cells_over_few_spheres_that_are_far_apart_are_few():
+    """1 mm over 4 m are 6.4e10 cells; spheres that lie closer have cells of their size."""
+    rng = np.random.default_rng(1)
+    size, shape, _ = cells_over(rng.uniform(0.0, 4.0, (100, 3)), 1e-3)
+    assert np.prod(shape) < 1.1e6
+    assert size > 1e-3
+    assert cells_over(rng.uniform(0.0, 0.04, (100, 3)), 1e-3)[0] == 1e-3
 
 
 def test_the_search_in_cells_finds_all_overlaps():

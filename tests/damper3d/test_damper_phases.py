@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from damper3d.case.random_packing import close_packing
 from damper3d.measures.phases.bed_flow import low_density, ring_share, roll_share
 from damper3d.measures.phases.bed_motion import collision_phase, contrast
 from damper3d.measures.phases.criteria import PHASES, RULES, classify
@@ -164,11 +165,17 @@ def test_a_collision_across_the_end_of_the_cycle_has_its_phase_there():
 
 
 @pytest.mark.parametrize(
-    ("fill_ratio", "free"), [(0.466, 1 - 0.466 / 0.55), (0.54, 0.5 * (1 - 0.54 / 0.64))]
+    ("fill_ratio", "shape", "free"),
+    [
+        (0.466, "sphere", 1 - 0.466 / 0.55),
+        (0.54, "sphere", 0.5 * (1 - 0.54 / 0.64)),
+        (0.66, "prolate:1.5", 0.5 * (1 - 0.66 / close_packing("prolate:1.5").value)),
+        (0.66, "sphere", 0.01),
+    ],
 )
-def test_clearance_over_a_loose_packing(fill_ratio, free):
-    """Eq. 6.13 with 0.55, but at least half of what 0.64 leaves."""
-    assert clearance(fill_ratio, 0.04) == pytest.approx(0.04 * free)
+def test_clearance_over_a_loose_packing(fill_ratio, shape, free):
+    """Eq. 6.13 with 0.55, but at least half of what close packing leaves, and never none."""
+    assert clearance(fill_ratio, 0.04, shape) == pytest.approx(0.04 * free)
 
 
 def test_independent_neighbours_move_against_each_other_with_their_own_energy():

@@ -323,6 +323,8 @@ def test_energy_is_kept_where_two_motions_cross(tmp_path):
     assert both.excitation["most_energy_j"] == pytest.approx(
         2.0 * one.excitation["most_energy_j"], rel=1e-9
     )
+    for size in ("peak_displacement_m", "peak_velocity_m_s", "rms_acceleration_m_s2"):
+        assert both.excitation[size] == pytest.approx(2**0.5 * one.excitation[size], rel=1e-9)
 
 
 def test_an_enclosure_that_turns_gives_the_energy_that_the_bed_takes(tmp_path):

@@ -260,6 +260,13 @@ def test_a_free_decay_ends_when_it_is_over_and_is_drawn(tmp_path):
     assert "host_energy" in (tmp_path / "csv" / "samples.csv").read_text(encoding="utf-8")
 
 
+def test_a_free_decay_that_is_soon_over_goes_on_until_a_cycle_counts(tmp_path):
+    """At zeta = 0.5 it is over after a cycle or two, and six do not count."""
+    case = load(tmp_path, {**LET_GO, "host.damping_ratio": 0.5, "run.cycles": 20, "run.discard": 6})
+    result = protocol.run(case, out=tmp_path / "runs")
+    assert (result.cycles, result.discarded) == (7, 6)
+
+
 def test_a_run_without_a_host_has_no_response(damper_reference, tmp_path):
     assert_refused(damper3d("observe", damper_reference.path, "host"), "prescribed", "[host]")
 
@@ -301,6 +308,7 @@ def test_a_host_that_twists_gives_the_bed_what_it_loses(tmp_path):
     assert abs(result.host["energy_closure"]) < 1e-3
     assert result.efficiency is None
     assert "rotation" in result.efficiency_note
+    assert result.phase is None
     again = DamperCase.load(the_run(tmp_path / "runs").case_file)
     assert protocol.run_digest(again) == protocol.run_digest(load(tmp_path, settled))
 

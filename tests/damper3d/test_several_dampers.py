@@ -77,6 +77,19 @@ def test_two_like_dampers_move_a_host_as_one_moves_half_of_it(tmp_path):
     np.testing.assert_allclose(own["host_work"], 2 * alone["host_work"], atol=1e-7 * work, rtol=0)
 
 
+def test_the_step_of_two_dampers_goes_by_the_load_of_both(tmp_path):
+    """As that of one on half the host; a host too light for both is refused."""
+    run = {"time_step": None}
+    of_both = case(tmp_path, SINGLE | {"mass": "2 g"}, [{}, {}], run=run).steps
+    of_one = case(tmp_path, SINGLE | {"mass": "1 g"}, None, run=run).steps
+    assert of_both.limit == pytest.approx(of_one.limit, rel=1e-12)
+    alone = case(tmp_path, SINGLE | {"mass": "2 g"}, None, run=run).steps
+    assert of_one.limit < 0.9 * alone.limit
+    light = {"mass": "20 mg"}
+    case(tmp_path, SINGLE | light, None, run=run)
+    assert_refuses(["the host's mass", "fewer particles"], case, tmp_path, SINGLE | light, [{}, {}])
+
+
 def test_the_energy_of_a_host_with_two_dampers_is_closed(tmp_path):
     """Work of the force = what the modes hold and damp and both beds take; one alone leaves a gap.
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from damper3d.engine.enclosures import box, cylinder
+from damper3d.engine.enclosures import Frustum, box, cylinder
 from damper3d.engine.motions import Sines, sine
 from damper3d.engine.simulation import Simulation
 from damper3d.engine.world import build_world
@@ -14,7 +14,11 @@ from granulab.contact.sphere_law import sphere_law
 G = 9.81
 DENSITY = 1190.0
 LARGEST = 2.5e-3  # radius [m]
-ROOMS = {"cylinder": cylinder(0.0204, 0.024), "box": box(0.0165, 0.0175, 0.024)}
+ROOMS = {
+    "cylinder": cylinder(0.0204, 0.024),
+    "box": box(0.0165, 0.0175, 0.024),
+    "frustum": Frustum(0.0204, 0.0304, 0.024),
+}
 STILL = sine(0.0, 100.0, G)
 SHAKEN = sine(50.0, 100.0, G)  # peak speed 0.78 m/s, as at 40 Hz and Gamma 20
 DOWN, NOWHERE = (0.0, 0.0, -G), (0.0, 0.0, 0.0)

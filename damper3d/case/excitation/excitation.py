@@ -88,11 +88,18 @@ class Excitation:
         """Samples a window."""
         return _FRAMES * math.ceil(max(SAMPLES * self.highest * self.window, _LEAST) / _FRAMES)
 
-    def across_velocity(self, time: np.ndarray) -> np.ndarray | None:
-        """Velocity [m/s] along a second direction at times (n,) [s]; None without one."""
+    def across(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        """Place [m] and velocity [m/s] along a second direction at times (n,) [s]; or None."""
         if not isinstance(self.motion, Crossed):
             return None
-        return Lines(*self.motion.across[:3]).at(time)[1]
+        return Lines(*self.motion.across[:3]).at(time)
+
+    def aside(self, direction: np.ndarray) -> np.ndarray | None:
+        """Part (3,) of the second direction across a first one, of length one; None without it."""
+        if not isinstance(self.motion, Crossed):
+            return None
+        second = self.motion.direction
+        return np.asarray(second - (second @ direction) * direction)
 
     def rim_velocity(self, time: np.ndarray) -> np.ndarray | None:
         """Velocity [m/s] of the rim of an enclosure that turns, at times (n,); None of others."""

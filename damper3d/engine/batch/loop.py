@@ -54,10 +54,13 @@ def mean_velocity(one, c):
 
 
 @njit
-def list_own(one, in_use, own):
-    """New lists of a thread's own spheres, the outcome of any that has no room, and the drift."""
+def list_own(one, in_use, own, shift):
+    """New lists of a thread's own spheres, the outcome of any that has no room, and the drift.
+
+    shift: the enclosure's.
+    """
     for i in range(own[0], own[1], own[2]):
-        outcome = list_sphere(one, in_use, i)
+        outcome = list_sphere(one, in_use, i, shift)
         if outcome != DONE:
             one.clock[OUTCOME] = outcome
     for c in range(own[0], 3, own[2]):
@@ -86,13 +89,13 @@ def advancing(wait: Any) -> Any:
         along, rate = enclosure_of(one, step * dt)
         wait()
         while True:
+            shift, speed = scale(along, direction), scale(rate, direction)
             if clock[LEFT] == step:
-                list_own(one, in_use, own)
+                list_own(one, in_use, own, shift)
                 wait()
                 if clock[OUTCOME] != DONE:
                     break
                 in_use, made = 1 - in_use, step
-            shift, speed = scale(along, direction), scale(rate, direction)
             if into == clock[PER_SAMPLE]:
                 for i in range(own[0], own[1], own[2]):
                     note_parts(one, in_use, i, shift, speed)

@@ -40,6 +40,7 @@ WALL_FORCE = HEAT + 1
 N_HELD = state.CONTACTS_PW + 1 - state.KINETIC
 MASS = N_HELD + 6
 N_PARTS = MASS + 1
+BITS = 63  # of a number that says which contacts of a sphere touched, all but its sign
 SKIN_SHARE = 0.1  # skin over the largest radius: lists last some hundred steps
 
 
@@ -105,12 +106,18 @@ def reason_against(sim: Simulation) -> str | None:
     return next((words for words, has in lacking.items() if has), None)
 
 
+def _most_bits(slots: Slots, world: state.World) -> int:
+    """Bits of a sphere's contacts: of its neighbours at most, then of its walls."""
+    return slots.near.shape[2] + len(world.walls.force)
+
+
 def lacks_room(slots: Slots, sim: Simulation) -> str | None:
     """Names of what a simulation has more of than slots hold; None where they hold it."""
     world = sim.world
     lacking = {
         "more particles": sim.n_particles > slots.position.shape[1],
         "more walls": len(world.walls.force) > slots.planes.shape[1],
+        "more contacts of a sphere, with walls and neighbours": _most_bits(slots, world) > BITS,
         "more sines in its motion": len(world.shaker.amplitude) > slots.sines.shape[2],
     }
     return next((f"{words} than a slot holds" for words, has in lacking.items() if has), None)

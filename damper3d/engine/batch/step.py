@@ -278,10 +278,11 @@ def move_sphere(one, i, since):
 
 
 @njit
-def list_sphere(one, old, i):
+def list_sphere(one, old, i, shift):
     """Make the other of the two lists of sphere i, with the histories of the old one; DONE, or not.
 
     All spheres are looked at: of some hundred it takes less than to sort them into cells.
+    shift: the enclosure's.
     """
     x, u, new, room = one.position, one.velocity_now, 1 - old, one.near.shape[1]
     near, before, skin = one.near[new], one.near[old], one.numbers[SKIN]
@@ -306,7 +307,10 @@ def list_sphere(one, old, i):
     one.listed[new, i] = n
     for w in range(one.clock[WALLS]):
         lasting |= hand_on(one, old, room + w, room + w, i)
-        bend = to_wall(one, w, three(x[i]))[2]
+        point = add(three(x[i]), scale(-1.0, shift))
+        distance, _, bend = to_wall(one, w, point)
+        if distance < (1.0 - 2.0 * DEEPEST) * x[i, 3]:
+            return TOO_DEEP
         radius = x[i, 3] / (1.0 - x[i, 3] * bend)
         constants[room + w, 0, i] = one.laws[1, 0] * math.sqrt(radius)
         constants[room + w, 1, i] = 1.0 / u[i, 3]

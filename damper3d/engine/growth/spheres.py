@@ -36,6 +36,9 @@ _START = 0.1  # fill ratio of the radii that the first stage begins with
 # Spheres from which on they are numbered by where they start: fewer stay in the processor's cache
 # in any order, and keep the bits of their packings.
 _MANY = 100_000
+# Cells at most, so many a sphere and these, and how much wider they are made at a time where there
+# would be more: far above what beds need, whose packings keep their bits.
+_CELLS, _FEW, _WIDER = 100, 1_000_000, 1.25
 
 
 class Balls(NamedTuple):
@@ -275,15 +278,16 @@ def _push_nearest(surface, wall, centres, radius, n, force):
 
 @njit
 def cells_over(centres, size):
-    """Cubic cells over all centres: their size, how many each way, their corner."""
+    """Cubic cells over all centres: their size, how many each way, their corner.
+
+    Of the size given, or wider where few spheres have so much room that there would be too many.
+    """
     low = centres[:, 0].min(), centres[:, 1].min(), centres[:, 2].min()
     high = centres[:, 0].max(), centres[:, 1].max(), centres[:, 2].max()
-    shape = (
-        int((high[0] - low[0]) / size) + 1,
-        int((high[1] - low[1]) / size) + 1,
-        int((high[2] - low[2]) / size) + 1,
-    )
-    return size, shape, low
+    a, b, c = high[0] - low[0], high[1] - low[1], high[2] - low[2]
+    while (a / size + 1.0) * (b / size + 1.0) * (c / size + 1.0) > _CELLS * len(centres) + _FEW:
+        size *= _WIDER
+    return size, (int(a / size) + 1, int(b / size) + 1, int(c / size) + 1), low
 
 
 @njit

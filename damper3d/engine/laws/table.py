@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from damper3d.engine.geometry import entry
+from damper3d.engine.geometry import entry, surface_motion
 from damper3d.engine.laws.cohesion import (
     Dmt,
     Jkr,
@@ -21,9 +21,24 @@ from damper3d.engine.laws.cohesion import (
     jkr_force,
     jkr_reach,
 )
-from damper3d.engine.state import BLOCK, DAMPING, HERTZ, NORMAL_DAMPING, zeros
-from granulab.contact.hertz import NORMAL, HertzLaw, hertz_force
+from damper3d.engine.state import (
+    BLOCK,
+    DAMPING,
+    FRICTION,
+    HERTZ,
+    MOVED_X,
+    MOVED_Y,
+    MOVED_Z,
+    NORMAL_DAMPING,
+    SPRING_X,
+    SPRING_Y,
+    SPRING_Z,
+    STIFFNESS,
+    zeros,
+)
+from granulab.contact.hertz import NORMAL, HertzLaw, carried_spring, hertz_force, spring_work
 from granulab.contact.jit import inlined_inner, inner, specialised
+from granulab.contact.vectors import scale
 
 # Columns of LawTable.constants, and rows of its lanes: those of HertzLaw, the energy of a surface
 # [J/m2], and the rolling resistance's k [N/m], c [N s/m] and mu [-].
@@ -148,7 +163,11 @@ def normal_energy(law, own, stiffness, overlap, k):
 
 
 def tear(law, spheres, contacts, begin, n_contacts, block, dt):
-    """Add the energy of the necks of a block that tore to what normal damping dissipates."""
+    """Add what the contacts of a block whose necks tore still held to what is dissipated.
+
+    The neck's energy to normal damping, that of the tangential spring to friction. In a contact
+    that ends at overlap 0 the stiffness, and with it the spring's energy, goes to 0 by itself.
+    """
 
 
 def _is_plain(law):
@@ -201,6 +220,14 @@ def _law_in_lane(law, k):
         lanes[entry(LAW_DAMPING, k)], lanes[entry(LAW_TANGENTIAL_DAMPING, k)],
         lanes[entry(LAW_YIELDING, k)], law.pulls, law.stored_force,
     )  # fmt: skip
+
+
+@inner
+def without_slip(law, history, k, normal, kt_before, kt, moved):
+    """The spring of contact k a step before, and now if it did not slip; see carried_spring."""
+    held = history[entry(SPRING_X, k)], history[entry(SPRING_Y, k)], history[entry(SPRING_Z, k)]
+    ahead = history[entry(MOVED_X, k)], history[entry(MOVED_Y, k)], history[entry(MOVED_Z, k)]
+    return carried_spring(law, held, ahead, normal, kt_before, kt, moved)
 
 
 @specialised(note_laws)
@@ -338,7 +365,18 @@ def _tear_necks(law, spheres, contacts, begin, n_contacts, block, dt):
     for k in range(np.uintp(n_contacts)):
         torn = law.lanes[entry(TORN, k)]
         if torn > 0.0:
-            n = contacts.touching[np.uintp(begin) + k]
-            spheres.torque[contacts.i[n], 3] -= 0.5 * torn
-            spheres.torque[contacts.j[n], 3] -= 0.5 * torn
+            n, slipped = contacts.touching[np.uintp(begin) + k], _let_go(law, block, k, dt)
+            spheres.torque[contacts.i[n], 3] -= 0.5 * (torn + slipped)
+            spheres.torque[contacts.j[n], 3] -= 0.5 * (torn + slipped)
             block.own_totals[NORMAL_DAMPING] += torn / dt
+            block.own_totals[FRICTION] += slipped
+
+
+@inlined_inner
+def _let_go(law, block, k, dt):
+    """Return what friction takes [J] as the spring of contact k lets go of all that it held."""
+    own, kt = law_of(law, k), block.history[entry(STIFFNESS, k)]
+    normal, _, slip_rate = surface_motion(block, k)
+    moved = scale(0.5 * dt, slip_rate)
+    held, trial = without_slip(own, block.history, k, normal, kt, kt, moved)
+    return spring_work(own, kt, kt, held, trial, (0.0, 0.0, 0.0))[0]

@@ -42,7 +42,14 @@ def turn_wall(world, n_contacts, block):
 
 
 def count_turning(world, n_contacts, block):
-    """Add the work of walls that turn on the bed, from the forces in the lanes of a block."""
+    """Add the work of walls that turn on the bed, from the forces in the lanes of a block.
+
+    And from the couples by which its contacts resist rolling, which stand in the last row.
+    """
+
+
+def wall_spin(world):
+    """Return the angular velocity about z of walls that turn [rad/s]; 0 of others."""
 
 
 def turns(world):
@@ -105,6 +112,13 @@ def _count_turning(world, n_contacts, block):
     return lambda world, n_contacts, block: None
 
 
+@specialised(wall_spin)
+def _wall_spin(world):
+    if turns(world):
+        return lambda world: _rate(world)
+    return lambda world: 0.0
+
+
 @inlined_inner
 def _rate(world):
     now = world.counts[STEP] * world.time_step
@@ -122,11 +136,13 @@ def _turned(world, n_contacts, block):
 
 @inlined_inner
 def _counted(world, n_contacts, block):
-    torque = 0.0
+    torque, last = 0.0, len(world.spheres.inverse_mass)
     for k in range(n_contacts):
         if block.overlap[k] > 0.0:
             px, py = _place(block, k)
             torque += px * block.push[entry(1, k)] - py * block.push[entry(0, k)]
+    torque += world.spheres.torque[last, 2]
+    world.spheres.torque[last, 2] = 0.0
     world.balance[WALL_WORK] -= world.time_step * _rate(world) * torque
     world.shaker.torque[0] += torque
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from damper3d.case.parts import orientation_of
-from damper3d.case.random_packing import CLOSE_PACKING, LOOSE_PACKING
+from damper3d.case.random_packing import CLOSE_PACKING, LOOSE_PACKING, close_packing
 from damper3d.measures.counted import discarded
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 # Columns of the tables that are read: about half of what a run keeps.
 _STORED = {"particles": ("x", "y", "z", "vx", "vy", "vz"), "contacts": ("body_1", "body_2")}
+_TIGHT = 0.01  # of the length, that a bed is taken to have free whatever its packing [-]
 FEWEST_FRAMES = 8  # a cycle: an eighth of it is as far as a particle may go unseen
 
 
@@ -59,14 +60,16 @@ class Motion:
         return orientation_of(self.gravity, np.array([0.0, 0.0, 1.0]))
 
 
-def clearance(fill_ratio: float, length: float) -> float:
-    """Free length above a loose packing (eq. 6.13) [m].
+def clearance(fill_ratio: float, length: float, shape: str = "sphere") -> float:
+    """Free length above a loose packing (eq. 6.13) [m], of particles of a shape.
 
-    Never less than half of what a close packing would leave: a bed poured tighter than 0.55 can
-    still move.
+    Never less than half of what a close packing of the shape would leave: a bed poured tighter than
+    0.55 can still move; and of one packed closer than at random never less than _TIGHT.
     """
-    loose, close = (1.0 - fill_ratio / packing for packing in (LOOSE_PACKING, CLOSE_PACKING))
-    return length * max(loose, 0.5 * close)
+    known = close_packing(shape)
+    close = CLOSE_PACKING if known is None else known.value
+    left = 1.0 - fill_ratio / LOOSE_PACKING, 0.5 * (1.0 - fill_ratio / close)
+    return length * max(*left, _TIGHT)
 
 
 def take(
@@ -84,8 +87,12 @@ def take(
                 "radius", "mass" (N,)
     discard     cycles that do not count; the case's where None
 
-    None where no whole cycle counts or fewer than eight frames a cycle were kept.
+    None where no whole cycle counts or fewer than eight frames a cycle were kept, and of a motion
+    that has no phases, which go by the cycles of one sine along a direction: under an excitation of
+    another kind, or on a host that twists.
     """
+    if case.excitation is not None or case.arc is not None:
+        return None
     per_cycle = case.settings.output.samples
     first = (case.settings.run.discard if discard is None else discard) * per_cycle
     rows = np.asarray(frames["row"])
@@ -105,7 +112,7 @@ def take(
         period=case.period,
         gravity=axes @ case.gravity,
         length=length,
-        clearance=clearance(case.fill_ratio, length),
+        clearance=clearance(case.fill_ratio, length, case.particle.name),
         radius=np.asarray(frames["radius"], float),
         mass=np.asarray(frames["mass"], float),
         push=push.reshape(*shape, 2),
