@@ -68,9 +68,14 @@ class Drop(AsText):
             start = float(stamps[0]) * stamped * self.bounces.base.share / self.rate.value
         return start + (clock - self.bounces.track.clock[0]) / self.rate.value
 
+    @property
+    def in_metres(self) -> bool:
+        """True of positions that a table gives as lengths, so that there is no scale of pixels."""
+        return self.scale is not None and self.scale.value == 1.0
+
     def to_dict(self) -> dict[str, Any]:
         """The object that `calibrate drop --json` prints; None where a value does not exist."""
-        found = self.bounces
+        found, per_pixel = self.bounces, None if self.in_metres else self.scale
         return {
             "restitution": {
                 "value": found.pooled.value,
@@ -92,8 +97,8 @@ class Drop(AsText):
                 "dropped_frames": found.base.dropped_frames,
                 "remark": "; ".join(self.remarks) or "even",
             },
-            "scale_m_per_px": None if self.scale is None else self.scale.value,
-            "scale_sigma_m_per_px": None if self.scale is None else self.scale.sigma,
+            "scale_m_per_px": None if per_pixel is None else per_pixel.value,
+            "scale_sigma_m_per_px": None if per_pixel is None else per_pixel.sigma,
             "gravity_check_m_s2": None if self.gravity is None else self.gravity.value,
             "gravity_sigma_m_s2": None if self.gravity is None else self.gravity.sigma,
             "plate_drift_px": found.drift.value,
@@ -199,7 +204,9 @@ class Drop(AsText):
                      f"{'downwards' if a > 0 else 'upwards'}")  # fmt: skip
         lines += [
             f"rate   {_with(self.rate, 'frames/s')}",
-            f"scale  {_with(self.scale, 'm per unit of y')}",
+            "scale  y is a length"
+            if self.in_metres
+            else f"scale  {_with(self.scale, 'm per unit of y')}",
             f"g      {_with(self.gravity, 'm/s2')}",
             f"plate  moves by {_with(found.drift, '')} from the first contact to the last",
         ]

@@ -30,6 +30,7 @@ _KINDS = {
     "object": r"particle|track|track[ _]?id|object|trajectory|id",
     "flag": r"flag\d*",
 }
+_HEIGHT = r"height|altitude|h|z|h\u00f6he|hoehe"  # is y in a table without a y
 _TAIL = re.compile(r"(?P<name>.*?)(?:_(?P<tail>px|mm|cm|m|s|ms))?")
 _PIXELS = ("px", "pixel", "pixels", "-")
 _IN_PIXELS = "x and y without a unit of length: read as pixels"
@@ -145,8 +146,15 @@ def _columns(path: Path, found: Layout, rows: list[list[float]]) -> list[_Column
         return [_Column(k, "", "") for k in ([kind, "x", "y"] if width == 3 else [kind, "y"])]
     columns = [_column(name, found.units[name]) for name in found.names]
     if not any(column.kind == "y" for column in columns):
+        columns = [
+            _column(
+                re.sub(rf"^({_HEIGHT})(?![^\W_])", "y", name.strip().lower()), found.units[name]
+            )
+            for name in found.names
+        ]
+    if not any(column.kind == "y" for column in columns):
         names = ", ".join(map(repr, found.names))
-        raise InputError(f"{path}: no column 'y'; there are {names}")
+        raise InputError(f"{path}: no column 'y' and none 'height'; there are {names}")
     return columns
 
 

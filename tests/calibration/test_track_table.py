@@ -88,6 +88,15 @@ def test_units_and_times_of_the_head(tmp_path):
         read_tracks(written(tmp_path, "frame,x [s],y [kg]\n0,1,2\n1,3,4\n"))
 
 
+@pytest.mark.parametrize("head", ["height [m]", "z_m", "H (m)", "H\u00f6he [m]"])
+def test_a_height_is_y_where_there_is_none(tmp_path, head):
+    track = the_track(written(tmp_path, f"time [s],{head}\n0,1\n0.01,3\n0.02,5\n"))
+    assert track.y.tolist() == [1, 3, 5]
+    assert track.scale == 1.0
+    both = the_track(written(tmp_path, f"time [s],y [m],{head}\n0,1,9\n0.01,3,9\n0.02,5,9\n"))
+    assert both.y.tolist() == [1, 3, 5]
+
+
 def test_several_tracks_side_by_side_with_short_lines(tmp_path):
     """A second line of words, empty fields, lines that end early."""
     text = "Frame,X1,Y1,X2,Y2\nTracks 1 to 2\n1,1,2,,\n2,1.5,2.5,7,8\n3,,,7.5,8.5\n4,2,3\n"
@@ -131,7 +140,7 @@ def test_numbers_that_do_not_stand_below_their_names_are_linked_by_position(tmp_
     [
         ("", "empty"),
         ("hello\nworld\n", "no line of numbers"),
-        ("frame,x,z\n1,2,3\n", "no column 'y'"),
+        ("frame,x,w\n1,2,3\n", "no column 'y'"),
         ("1,2,3,4\n2,3,4,5\n", "without names"),
         ("frame,x,y\n1,2,3\n2,oops,4\n3,4,5\n", "line 3: 'oops' is no number"),
         ("t [s],x,y\n1,2,3\n1,2,3\n", "does not go on"),
