@@ -26,8 +26,9 @@ def compare(first: str | Path, second: str | Path) -> dict[str, Any]:
     """Two finished runs: what each found and took, and how far their curves are apart.
 
     runs             of each: the results of the run that are kept here, what moved its particles
-                     (label), the CPU time of its step loop (discharge_cpu_s), and the wall time
-                     of the whole run, the filling included where it filled (wall_s)
+                     (label), the CPU time of its step loop (discharge_cpu_s), the wall time of
+                     the whole run, the filling included where it filled (wall_s), and the keys of
+                     its case that are not as the other's (differs)
     curve            see `curve_distance`; None where nothing left one of them
     start_offset_m   how far apart the same particle is at the opening, at most; None where the
                      particles are not the same
@@ -37,8 +38,11 @@ def compare(first: str | Path, second: str | Path) -> dict[str, Any]:
     folders = [_finished(path) for path in (first, second)]
     frames = [read_trajectory(folder.path) for folder in folders]
     times = [discharge_curve(trajectory)[0] for trajectory in frames]
+    rows = [_row(folder) for folder in folders]
+    for row, differs in zip(rows, _differences(folders), strict=True):
+        row["differs"] = differs
     return {
-        "runs": [_row(folder) for folder in folders],
+        "runs": rows,
         "curve": curve_distance(*times),
         "start_offset_m": _start_offset(*frames),
     }
@@ -98,6 +102,19 @@ def _label(folder: RunFolder, row: dict[str, Any]) -> str:
     return f"{row['engine']}, {settings.get('iterations')} x {1e3 * row['time_step_s']:g} ms"
 
 
+def _differences(folders: Sequence[RunFolder]) -> list[dict[str, Any]]:
+    """Keys of each of two cases whose values differ, but for their names, by "section.key"."""
+    flat = []
+    for folder in folders:
+        tables = tomllib.loads(folder.read_case())
+        sections = {name: table for name, table in tables.items() if isinstance(table, dict)}
+        flat.append({f"{s}.{key}": value for s, table in sections.items()
+                     for key, value in table.items()})  # fmt: skip
+    keys = [key for key in dict.fromkeys([*flat[0], *flat[1]])
+            if flat[0].get(key) != flat[1].get(key)]  # fmt: skip
+    return [{key: one.get(key) for key in keys} for one in flat]
+
+
 def _start_offset(first: Trajectory, second: Trajectory) -> float | None:
     if not np.array_equal(first.static["kind"], second.static["kind"]):
         return None
@@ -115,9 +132,14 @@ def mean_distance(pairs: Sequence[dict[str, Any]]) -> dict[str, float] | None:
 
 def table(pairs: Sequence[dict[str, Any]]) -> str:
     """Pairs of runs for a person to read."""
+    named: list[str] = []
+    if len(pairs) == 1:
+        named, rows = _named(pairs[0]), pairs[0]["runs"]
+        rows = [row | {"label": f"{k} {row['label']}"} for k, row in enumerate(rows, 1)]
+        pairs = [{**pairs[0], "runs": rows}]
     width = max(len(row["label"]) for pair in pairs for row in pair["runs"])
     heading = f"{'seed':>4}  {'outcome':18}  {'out':>7}  {'time':>8}  {'T90':>8}  {'rate':>8}"
-    lines = [f"{'':{width}}  {heading}  {'CPU':>8}  {'wall':>8}"]
+    lines = [*named, f"{'':{width}}  {heading}  {'CPU':>8}  {'wall':>8}"]
     for pair in pairs:
         lines += [_line(row, width) for row in pair["runs"]]
         lines.append(f"{'':{width}}  {_distance(pair['curve'])}")
@@ -125,6 +147,16 @@ def table(pairs: Sequence[dict[str, Any]]) -> str:
     if mean and len(pairs) > 1:
         lines.append(f"{'mean':{width}}  {_distance(mean)}")
     return "\n".join(lines)
+
+
+def _named(pair: dict[str, Any]) -> list[str]:
+    """A line for each of two runs: its folder, and what its case has that the other has not."""
+    return [
+        f"{k} {Path(row['run_folder']).name}"
+        + "".join(f"; {key} {'left out' if value is None else value}"
+                  for key, value in row["differs"].items())
+        for k, row in enumerate(pair["runs"], 1)
+    ]  # fmt: skip
 
 
 def _line(row: dict[str, Any], width: int) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from refusals import assert_refuses
+from refusals import assert_refused, assert_refuses
 from small_damper import damper3d
 
 from damper3d.studies.design import candidates as making
@@ -116,6 +116,13 @@ def test_catalogues_that_cannot_be_are_refused_in_a_line(text, words, tmp_path):
 )
 def test_a_space_in_which_no_design_fits_says_what_binds(changes, words, tmp_path):
     assert_refuses(words, making.beds_of, task_of(tmp_path, changes))
+
+
+def test_a_level_at_which_every_bed_rides_along_is_refused(tmp_path):
+    """Vertically a rigid bed lifts off above 1 g: at 0.8 g and a fifth more it does not."""
+    file = write_spec(tmp_path, {"level.acceleration": "0.8 g", "level.range": [0.8, 1.2]})
+    assert_refused(damper3d("design", file, "--dry-run"), "0.96 g at most", "rides along up to 1 g")
+    making.refuse_at_rest(task_of(tmp_path, {"level.acceleration": "0.9 g"}))
 
 
 def test_the_force_is_that_of_the_bare_amplitude_at_resonance(tmp_path):

@@ -94,6 +94,7 @@ def load(folder: Path, changes) -> DamperCase:
         ({**SWEEP, "excitation.length": "1 ms"}, ["less than a cycle"]),
         ({**SWEEP, "excitation.length": "1 Ms"}, ["cycles of the highest frequency"]),
         ({**SWEEP, "run.cycles": 7}, ["[run] cycles", "stands in its place"]),
+        ({**RANDOM, **HOST}, ["on is missing", "'base' takes psd in g2/Hz", "N2/Hz"]),
         ({**RANDOM, "excitation.psd": [[60, 0.1], [240, -0.1]]}, ["density = -0.1 at 240 Hz"]),
         ({**RANDOM, "excitation.psd": [[60, 0.1], [240, 0]]}, ["density = 0 at 240 Hz"]),
         ({**RANDOM, "excitation.psd": [[-60, 0.1], [240, 1]]}, ["frequency = -60 Hz"]),
@@ -262,7 +263,7 @@ OTHERS = {
     "spacing": (SWEEP, "linear"), "length": (SWEEP, "0.3 s"), "steps": (SWEEP, 2),
     "and_back": (SWEEP, True), "psd": (RANDOM, [[60, 0.2], [240, 0.1]]), "seed": (RANDOM, 2),
     "pulse": (SHOCK, "terminal_peak"), "integration": (SIGNAL, "as_measured"),
-    "on": (ON_HOST["random"], None), "kind": (None, None), "file": (None, None),
+    "on": (ON_HOST["random"], "force"), "kind": (None, None), "file": (None, None),
     "column": (None, None), "full_scale": (None, None), "octaves_per_minute": (None, None),
 }  # fmt: skip
 

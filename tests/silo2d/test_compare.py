@@ -1,5 +1,7 @@
 """Two runs compared: the distance of curves, the table, the picture, bad input."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from fake_run import write_fake_run
@@ -85,6 +87,9 @@ def test_engines_are_compared_on_the_same_packing(reference, runs, tmp_path):
     words = ("dem, 10 us", "pymunk, 30 x 0.25 ms", f"{n}/{n}", "apart in the mean", f"{n} counts")
     for word in words:
         assert word in text
+    first, second = text.splitlines()[:2]
+    assert first.startswith(f"1 {Path(folders[0]).name}; run.engine dem")
+    assert second.startswith(f"2 {Path(folders[1]).name}; run.engine pymunk")
 
 
 @pytest.mark.parametrize(

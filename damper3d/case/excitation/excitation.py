@@ -173,6 +173,11 @@ def _check_keys(keys: Keys, on_host: bool, where: str) -> None:
             f"{where}: [excitation] on = 'enclosure': with [host] the host moves the enclosure; "
             "give 'force' or 'base', or leave [host] out"
         )
+    if keys.kind == "random" and on_host and keys.on is None:
+        raise InputError(
+            f"{where}: [excitation] on is missing: on = 'base' takes psd in g2/Hz, on = 'force' in "
+            "N2/Hz; give one of them"
+        )
     needed, others = _KEYS[keys.kind]
     for name, value in keys.model_dump(exclude={"kind", "on"}).items():
         if value is None and name in needed:

@@ -38,6 +38,7 @@ def design(
     writes one. Finished runs are not done again.
     For example: damper3d init my_task.toml --design, then damper3d design my_task.toml
     """
+    from damper3d.studies.design.candidates import refuse_at_rest
     from damper3d.studies.design.design import Designer
     from damper3d.studies.design.spec import read_spec
     from granulab.campaign.output.files import refuse_unless_writable
@@ -51,6 +52,7 @@ def design(
             click.echo(words, err=True)
 
     designer = Designer(task, Path(out), engines, say)
+    refuse_at_rest(task)
     if dry_run:
         planned = _plan(designer, compare)
         click.echo(json.dumps(planned, indent=2) if as_json else _planned(planned))

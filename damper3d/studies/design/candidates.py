@@ -123,6 +123,19 @@ def closed_form(task: Task) -> float:
     return max(ideal, least * task.bare_amplitude / task.bare_gamma)
 
 
+def refuse_at_rest(task: Task) -> None:
+    """Raise InputError where the bare structure never shakes a bed off its enclosure."""
+    level = task.spec.level
+    moves = fluidisation_threshold(level.orientation, _friction(task))
+    most = task.bare_gamma * max(level.range)
+    if most <= moves:
+        raise InputError(
+            f"{task.spec.name}: [level] the bare structure moves by {most:.3g} g at most, and a "
+            f"bed rides along up to {moves:.3g} g ({level.orientation}): no bed damps it; give the "
+            "level at which it is too much, or another orientation"
+        )
+
+
 def _friction(task: Task) -> float:
     """Smallest friction at a wall in the catalogue."""
     from damper3d.case.case import DamperCase

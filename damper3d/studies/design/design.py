@@ -208,14 +208,12 @@ class Designer:
                 "high, leaves no clearance over any bed; give more height, or a smaller added_mass"
             )
         pool = list(dict.fromkeys([self.rule, *pool]))
-        number, done, best = min(self.number, len(pool)), 0, 1.0
+        number, done, best = min(self.number, len(pool)), 0, math.inf
 
         def compute(chosen: Sequence[Candidate]) -> list[Design]:
             nonlocal done, best
-            self.say(
-                f"fields of candidates {done + 1} to {done + len(chosen)} of {number}, best so far "
-                f"{best:.3f} of the bare response"
-            )
+            known = f", best so far {best:.3f} of the bare response" if done else ""
+            self.say(f"fields of candidates {done + 1} to {done + len(chosen)} of {number}{known}")
             found = self.compute(chosen)
             done, best = done + len(chosen), min([best, *(one.reduction for one in found)])
             return found

@@ -142,7 +142,7 @@ def in_words(results: dict[str, Any]) -> str:
         "the next at the worst of their fields"
     )
     best = results["designs"][0]
-    lines.append(f"the first, walls of {best['walls']}")
+    lines.append(f"the first, walls of {best['walls']}{_as_dashpot(task, best)}")
     if best["robustness"]:
         shown = [f"{_OFF[k]} {v:.3f}" for k, v in best["robustness"].items() if v is not None]
         lines.append(f"the first, {', '.join(shown)}")
@@ -158,6 +158,21 @@ def in_words(results: dict[str, Any]) -> str:
         for one in results["compared"]
     ]
     return "\n".join([*lines, *remarks(results)])
+
+
+def _as_dashpot(task: Mapping[str, Any], best: Mapping[str, Any]) -> str:
+    """Words on the dashpot that lowers the peak as much, and where the peak is by its field.
+
+    The peak of an oscillator goes as one over its damping ratio.
+    """
+    worst = max(best["levels"], key=lambda one: float(one["reduction"]), default=None)
+    if worst is None or not 0.0 < best["reduction"] < 1.0:
+        return ""
+    added = task["damping_ratio"] * (1.0 / best["reduction"] - 1.0)
+    return (
+        f"; its peak, at {worst['peak_frequency_hz']:.4g} Hz, is as low as with a damping ratio of "
+        f"{added:.2g} added at level {worst['level']:g}"
+    )
 
 
 def remarks(results: dict[str, Any]) -> list[str]:
