@@ -85,9 +85,11 @@ def _result(summary: dict[str, Any]) -> str:
 
     many = len(summary.get("dampers") or ())
     others = f"; and {many - 1} more dampers on its host" if many > 2 else ""
+    excited = summary.get("excitation")  # gamma is then of the largest value, of a bare host
+    moved = f"{float(summary['frequency_hz']):g} Hz, gamma {float(summary['gamma']):g}"
     return (
         f"{summary['n_particles']} of {summary['particles']}, {summary['orientation']}, "
-        f"{float(summary['frequency_hz']):g} Hz, gamma {float(summary['gamma']):g}: "
+        f"{excited['kind'] if excited else moved}: "
         f"{in_words(summary)}{'; and another damper on its host' if many == 2 else others}"
     )
 

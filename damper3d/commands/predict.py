@@ -25,7 +25,9 @@ _WITHOUT = {
 @case_command(without=_WITHOUT)
 @click.argument("case", required=False)
 @material_option
-@click.option("--frequencies", metavar="20,40,80", help="In Hz [default: 20, 40, 80].")
+@click.option(
+    "--frequencies", metavar="20,40,80", help="In Hz [default: 20, 40, 80 and the case's]."
+)
 @click.option("--packing", type=float, metavar="0.6", help="Fill ratio of your packed bed.")
 @click.option("--pack", is_flag=True, help="Compute the close packing of the particles' shape.")
 @click.option("--full-count", type=int, metavar="N", help="How many particles fill the enclosure.")
@@ -58,12 +60,13 @@ def predict(
     from granulab.campaign.output.files import refuse_unless_writable
     from granulab.errors import InputError
 
-    wanted = rising("frequencies", numbers("--frequencies", frequencies, predicting.FREQUENCIES))
     point = numbers("--for", wanted_for, ())
     if len(point) not in (0, 2) or any(value <= 0 for value in point):
         raise InputError(f"--for {wanted_for!r}: give frequency in Hz and Gamma, such as 60,5")
     fills = predicting.fills(case, changes_of(material, options))
     cases = [DamperCase.load(*fill) for fill in fills]
+    usual = predicting.frequencies_for(cases[0])
+    wanted = rising("frequencies", numbers("--frequencies", frequencies, usual))
     if pack or simulate or not no_figures:
         refuse_unless_writable(Path(out), "--out")
     close = _computed(fills[0], out, workers, quiet) if pack else None

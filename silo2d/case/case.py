@@ -85,6 +85,11 @@ class SiloCase:
             if shipped is None:
                 raise InputError(f"case {name!r}: no such preset or file; {nearest(name, known)}")
             path = shipped
+        if path.suffix.lower() in (".svg", ".dxf"):
+            raise InputError(
+                f"{path}: a drawing, no case; `silo2d init my_silo.toml --outline {path}` makes "
+                "one of it"
+            )
         return cls.resolve(_changed(read_settings(path), changes), str(path), path.parent)
 
     @classmethod

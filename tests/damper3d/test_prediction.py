@@ -14,6 +14,7 @@ from damper3d.studies.predict.prediction import (
     as_dict,
     as_text,
     fills,
+    frequencies_for,
     inverted,
     inverted_words,
     predict,
@@ -69,6 +70,12 @@ def test_threshold_follows_gravity_and_direction():
 def test_length_is_that_between_the_walls_which_the_motion_meets():
     assert predicted({"enclosure.height": "45 mm"}).length == 0.045
     assert predicted({**BOX, "motion.direction": [0.0, -2.0, 0.0]}).length == 0.02
+
+
+def test_a_case_with_a_frequency_has_its_onset_too():
+    assert frequencies_for(DamperCase.load("thesis")) == (20.0, 40.0, 80.0)
+    own = DamperCase.load("thesis", {"motion.frequency": 38.0})
+    assert frequencies_for(own) == (20.0, 38.0, 40.0, 80.0)
 
 
 @pytest.mark.parametrize(("bottom", "top"), [(40.0, 10.0), (10.0, 40.0)])

@@ -447,6 +447,7 @@ def test_a_drawing_that_is_no_case_is_refused_before_one_is_written(tmp_path, mo
         drawing = written(tmp_path, f"{name}.dxf", dxf(text))
         assert_refused(silo2d("init", "x.toml", "--outline", drawing), f"{name}.dxf", words)
     assert not (tmp_path / "x.toml").exists()
+    assert_refused(silo2d("run", "tilt.dxf", "--dry-run"), "tilt.dxf", "a drawing", "init")
 
 
 def test_run_and_init_take_the_silo_of_a_drawing(tmp_path, monkeypatch):

@@ -160,6 +160,7 @@ DISC = {"form": "disc", "size": "9 mm"}
             ["size_deviation = 4 mm", "less than 3 mm", "lognormal"],
         ),
         ({**DISC, "size_distribution": "sieve"}, ["size: the sieve gives the sizes"]),
+        ({"form": "circle", "size": "9 mm"}, ["form = 'circle'", "did you mean 'disc'"]),
         ({"form": "disc", "size_distribution": "sieve"}, ["rows of opening and share"]),
         (
             {"form": "disc", "size_distribution": "sieve", "sieve": "no.csv"},

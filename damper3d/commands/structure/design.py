@@ -122,11 +122,12 @@ def _designed(designer: "Designer", compare: int, spec: str, no_figures: bool) -
     if chosen := next((one for one in verified if one.design is order[0]), None):
         designer.say("the first on packings that it was not chosen by")
         again = designer.again(chosen)
+    seen = verified if again is None else [*verified, again]  # scatter of all packings
     designer.say("the first where level and frequency are off")
     robust = designer.robustness(order[0])
     designs = [
-        as_dict(task, order[0], 1, verified, robust, again),
-        *(as_dict(task, one, rank, verified) for rank, one in enumerate(order[1:], 2)),
+        as_dict(task, order[0], 1, seen, robust, again),
+        *(as_dict(task, one, rank, seen) for rank, one in enumerate(order[1:], 2)),
     ]
     name = digest({"spec": task.spec.model_dump(), "balls": [vars(b) for b in task.catalogue]})
     folder = designer.out / "designs" / f"{task.spec.name}-{name}"

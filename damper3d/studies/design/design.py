@@ -50,6 +50,7 @@ _FILLING = {"motion.frequency": 100.0, "motion.gamma": 0.5, "run.cycles": 1, "ru
 _FALLING, _LAYER = 1.5, 1.5
 _SETTLING, _OF_A_LAYER = "0.4 s", "1.2 s"
 OFF = 0.2  # of level and frequency, for which robustness is asked
+AGAIN = 2  # times the packings that a design is verified on, for the one that is proposed
 UNSEEN = 1000  # added to the seed for packings that nothing was chosen by
 
 Say = Callable[[str], None]
@@ -116,7 +117,7 @@ class Designer:
         each = [self.cost_with_structure(bed) for bed in self.beds]
         packing, run = (sum(part) / len(each) for part in zip(*each, strict=True))
         alone = search.verified + 1 + len(making.NEARBY)  # at a level; then the best at all
-        unseen = levels  # the first again, on packings that nothing was chosen by
+        unseen = AGAIN * levels  # the first, on packings that nothing was chosen by
         others = (1 + simulated) * levels if compare else 0  # the rule and random ones
         runs = (alone + levels - 1 + unseen + others) * _ABOUT_A_PEAK
         of_settling = sum(map(sum, settling))
@@ -125,7 +126,7 @@ class Designer:
             "fields": self.number * field,
             # Other clearances of the best, other frequencies of the first, and those compared with.
             "more fields": (len(making.NEARBY) + 2 + (compare and compare + 1)) * field,
-            "with the structure": search.seeds * (runs * run + (alone + 1) * packing),
+            "with the structure": search.seeds * (runs * run + (alone + AGAIN) * packing),
         }
 
     def run(self, cases: Sequence[Any]) -> Rows:
@@ -252,15 +253,18 @@ class Designer:
         """
         found = Verified(one.design)
         seed = self.task.spec.search.seed + UNSEEN
-        self.simulate([(found, level) for level in one.levels], seed)
+        self.simulate([(found, level) for level in one.levels], seed, AGAIN)
         return found
 
-    def simulate(self, wanted: Sequence[tuple[Verified, int]], first_seed: int) -> None:
+    def simulate(
+        self, wanted: Sequence[tuple[Verified, int]], first_seed: int, times: int = 1
+    ) -> None:
         """Simulate designs with the structure, each at a level, and note what came out.
 
         About the predicted peak; and further out while the largest response is at the edge.
+        times: packings over those that the task asks for.
         """
-        seeds = range(first_seed, first_seed + self.task.spec.search.seeds)
+        seeds = range(first_seed, first_seed + times * self.task.spec.search.seeds)
         own: list[Rows] = [[] for _ in wanted]
         at = [about_peak(self.task, one.design, level) for one, level in wanted]
         for _ in range(EDGES + 1):

@@ -203,6 +203,7 @@ def remarks(results: dict[str, Any]) -> list[str]:
 def draw(task: Task, designs: Sequence[Design], verified: Sequence[Verified]) -> "Figure":
     """Response of the best against level, and of all candidates against their clearance."""
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
     figure = Figure(figsize=(9.6, 4.2), layout="constrained")
     best = designs[0]
@@ -229,7 +230,11 @@ def draw(task: Task, designs: Sequence[Design], verified: Sequence[Verified]) ->
         own = [d for d in designs if d.candidate.bed.ball.kind == kind]
         right.semilogx([1e3 * d.candidate.clearance for d in own], [d.reduction for d in own],
                        marker, label=kind, ms=5)  # fmt: skip
-    right.set(xlabel="clearance over the close bed [mm]", ylabel="by their fields", ylim=(0, None))
+    right.set(xlabel="clearance over the close bed [mm]", ylabel="by their fields")
+    right.set_ylim(0, 1.05 * max(design.reduction for design in designs))
+    right.xaxis.set_minor_formatter(NullFormatter())
+    right.xaxis.set_major_formatter(ScalarFormatter())
+    right.xaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
     right.legend(fontsize=7)
     return figure
 

@@ -134,6 +134,15 @@ def _packed(name: str, most: Fraction | None, fill: float, free: Free | None) ->
     return Clearance(name, most.value, length, off, source)
 
 
+def frequencies_for(case: DamperCase) -> tuple[float, ...]:
+    """FREQUENCIES, and that of the case where it gives one or follows from its host [Hz]."""
+    motion = case.settings.motion
+    given = "frequency" in motion.model_fields_set or case.modes is not None
+    if not given or case.excitation is not None:
+        return FREQUENCIES
+    return tuple(sorted({*FREQUENCIES, motion.frequency}))
+
+
 def fills(name: str | None, changes: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
     """Cases to load: the one given, or the thesis's four heights with equally many particles.
 

@@ -17,6 +17,7 @@ from silo2d.case.shape import Points, Shape, disc, regular_outline, shape_from_o
 # Corners of the regular polygons that have a name; "polygon" gives their number.
 REGULAR = {"triangle": 3, "square": 4, "pentagon": 5, "hexagon": 6, "octagon": 8}
 FORMS = ("disc", *REGULAR, "polygon", "rectangle")
+_DISCS = ("circle", "sphere", "round", "ball")
 DISTRIBUTIONS = ("normal", "lognormal", "sieve")
 # Classes of equal mass that stand for a distribution, and quantiles that each is made from.
 CLASSES, _QUANTILES = 12, 24_000
@@ -123,7 +124,8 @@ def classes(sizes: Sizes) -> tuple[np.ndarray, np.ndarray]:
 def _form(entry: Mapping[str, Any], where: str) -> str:
     form = entry.get("form")
     if form not in FORMS:
-        raise InputError(f"{where} form = {form!r}: {nearest(str(form), FORMS)}")
+        near = "disc" if form in _DISCS else str(form)
+        raise InputError(f"{where} form = {form!r}: {nearest(near, FORMS)}")
     if (form == "polygon") != ("corners" in entry):
         cure = "leave it out" if "corners" in entry else "give their number, such as corners = 7"
         raise InputError(f"{where} corners: goes with form = 'polygon'; {cure}")
