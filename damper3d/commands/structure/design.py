@@ -142,7 +142,7 @@ def _designed(designer: "Designer", compare: int, spec: str, no_figures: bool) -
     write_atomic(folder / "summary.json", json.dumps(results, indent=2) + "\n")
     if not no_figures:
         drawn = {"sketch": as_png(lambda: draw_first(task, order[0])),
-                 "design": as_png(lambda: draw(task, order, verified))}  # fmt: skip
+                 "design": as_png(lambda: draw(task, order, seen))}  # fmt: skip
         pictures = {name: png for name, png in drawn.items() if png is not None}
         for name, png in pictures.items():
             write_atomic(folder / f"{name}.png", png)
