@@ -67,7 +67,7 @@ def echo(case: DamperCase, dry_run: bool) -> str:
     if dry_run:
         filling, motion = expected_cpu_s(case)
         lines.append(
-            f"  expected    about {in_minutes(filling + motion)} min of CPU, "
+            f"  expected    about {in_minutes(filling + motion)} min of CPU besides pictures, "
             f"{in_minutes(filling)} of them for a packing that is not there yet"
         )
     lines += room.lines(disk_at_most(case), memory_at_most(case))
