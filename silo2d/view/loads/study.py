@@ -236,7 +236,7 @@ def _half_angle(walls: Floats, upright: Floats) -> float | None:
 
     Raises InputError where they end over a window, or their sides converge at unlike angles.
     """
-    angles = []
+    angles: list[float] = []
     for wall in upright:
         foot, before = min(wall, key=lambda end: end[1]), len(angles)
         for other in walls:
