@@ -11,6 +11,7 @@ from silo2d.view.scene import PARTICLE_EDGE, WOOD
 
 _ALIKE = 1e-9  # difference of shares
 _BELOW = 0.05  # of the height, between the floor and the size of the outlet
+_WORDS = 0.1  # of the silo, half of the width of words below a particle
 _INSERT = RULE
 
 
@@ -34,8 +35,9 @@ def _silo(case: SiloCase) -> Panel:
     filled += [Filled(insert, _INSERT, WALL) for insert in outline.inserts]
     mean = max(case.shapes.shapes, key=lambda shape: shape.area)
     particle, words = particle_beside(
-        [Filled(mean.rounded_outline(), WOOD[0], PARTICLE_EDGE)], right, 0.0, "largest\nparticle"
-    )
+        [Filled(mean.rounded_outline(), WOOD[0], PARTICLE_EDGE)], right, 0.0,
+        "largest\nparticle", _WORDS * max(outline.width, top),
+    )  # fmt: skip
     under, aside = -_BELOW * top, left - _BELOW * top
     (lip, _), (other, _) = outline.lips
     walls, n_doors = outline.walls().segments, len(outline.walls().doors)
@@ -59,7 +61,7 @@ def _shapes(case: SiloCase) -> Panel:
     drawn = [
         (
             [Filled(shape.rounded_outline(), WOOD[0], PARTICLE_EDGE)],
-            f"{shape.name}{'' if alike else f', {100 * share:.2g} %'}\n{_size(shape)}",
+            "\n".join([shape.name, *([] if alike else [f"{100 * share:.2g} %"]), _size(shape)]),
         )
         for shape, share in zip(shapes.shapes, shapes.shares, strict=True)
     ]

@@ -34,6 +34,7 @@ _MOST_CASES = 6  # whose panels are drawn
 _MOST_LOOKED_AT = 24  # of a study, for so many that differ
 _COLUMNS, _WIDE, _HIGH = 4, 3.4, 4.0  # panels in a row, and a panel [inch]
 _APART, _TALL = 2.5, 1.3  # distance of two shapes over the largest radius; of rows, over that
+_HEAD = 0.55  # of a panel, for title and scale [inch]
 _LETTER = 0.56  # mean width of a letter over the size of the type
 _MARGIN = 0.06  # of a panel, left free around what it shows
 
@@ -93,7 +94,9 @@ def side_by_side(title: str, shapes: Sequence[tuple[Sequence[Filled], str]]) -> 
         placed += [one._replace(points=one.points + np.array([x, y])) for one in filled]
         words.append(((x, y - 1.08 * radius), text))
     longest = max(len(line) for _, text in words for line in text.split("\n"))
-    size = min(7.5, 0.85 * 72.0 * _WIDE / columns / (_LETTER * longest))
+    rows = -(-len(shapes) // columns)
+    wide = min(_WIDE / columns, (_HIGH - _HEAD) / (_TALL * rows))  # of one shape [inch]
+    size = min(7.5, 0.9 * 72.0 * wide / (_LETTER * longest))
     return Panel(title, filled=placed, words=words, type=size, below=0.3 * pitch)
 
 
@@ -164,15 +167,16 @@ def _draw_panel(axes: "Axes", panel: Panel) -> None:
 
 
 def particle_beside(
-    particle: Sequence[Filled], right: float, bottom: float, words: str
+    particle: Sequence[Filled], right: float, bottom: float, words: str, apart: float = 0.0
 ) -> tuple[list[Filled], tuple[tuple[float, float], str]]:
     """A particle to the scale of the vessel that it is beside, and the words below it.
 
-    right, bottom: of the vessel [m].
+    right, bottom: of the vessel [m]; apart: least distance of the particle's middle from it [m].
     """
     points = np.concatenate([one.points for one in particle])
     low, high = points.min(axis=0), points.max(axis=0)
-    move = np.array([right + 0.6 * float(high[0] - low[0]) - low[0], bottom - low[1]])
+    width = float(high[0] - low[0])
+    move = np.array([right + max(0.6 * width, apart - 0.5 * width) - low[0], bottom - low[1]])
     placed = [one._replace(points=one.points + move) for one in particle]
     x, y = float(move[0]) + float(low[0] + high[0]) / 2, bottom
     return placed, ((x, y), words)
