@@ -76,7 +76,7 @@ def _friction(axes: "Axes", found: Mapping[str, Any]) -> None:
         height, value, _ = loads.profile(stage, "shear_pa")
         axes.plot(value, height, "o-", ms=3, lw=0.7, color=loads.COLOURS[name])
     axes.set(xlabel="friction down the walls [Pa]", ylabel="height over the outlet [m]")
-    axes.legend(fontsize=7)
+    axes.legend(fontsize=7, loc="upper right")  # where the walls are bare
 
 
 def _bottom(axes: "Axes", forms: Mapping[str, Any]) -> None:
@@ -124,7 +124,7 @@ def _chart(axes: "Axes", found: Mapping[str, Any]) -> None:
             axes.annotate(letter, (half, friction), (3, 4), textcoords="offset points", color=GREY)
     words = own["flow"]
     if "dem" in found and found["flow"]["mass_flow_index"] is not None:
-        words += f"\nmass flow index {found['flow']['mass_flow_index']:.2f}"
+        words += f"\nmass flow index {round(found['flow']['mass_flow_index'], 2) + 0.0:.2f}"
     axes.plot(own["half_angle_deg"], friction, "o", color=VERMILION, label=words)
     axes.set(xlabel="half angle from the vertical [deg]", ylabel="angle of wall friction [deg]",
              xlim=(0, 95), ylim=(0, max(45, delta)))  # fmt: skip
