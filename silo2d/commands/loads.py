@@ -94,7 +94,8 @@ def _of_runs(
     if all(Path(one).is_dir() for one in given):
         if changes or seeds:
             raise click.UsageError("run folders are as they are; leave options of a case out")
-        folders = [resume_run(path).path for one in given for path in runs_of(Path(one))]
+        found = [resume_run(path).path for one in given for path in runs_of(Path(one))]
+        folders = list({path.resolve(): path for path in found}.values())
     elif len(given) == 1:
         folders = _computed(given[0], seeds, changes, window, out, quiet)
     else:
@@ -108,14 +109,18 @@ def _computed(
 ) -> list[Path]:  # fmt: skip
     """Run folders of a case, computed now or before."""
     from granulab.campaign.output.terminal import Progress, StopRequest
+    from granulab.contact.files.datafile import data_file, is_file
     from silo2d.case.case import SiloCase
+    from silo2d.case.settings import read_settings
     from silo2d.run import protocol
     from silo2d.view.loads.study import refuse_case
 
     if seeds and "run.seed" in changes:
         raise click.UsageError("--seeds says this; leave --seed out")
-    own = SiloCase.load(case, changes).settings.output
-    usual = {} if own.wall_interval is not None else _SAMPLED
+    SiloCase.load(case, changes)  # refused with its own words
+    file = Path(case) if is_file(Path(case)) else data_file("cases", case)
+    given = {} if file is None else read_settings(file).get("output", {})
+    usual = {key: value for key, value in _SAMPLED.items() if key.split(".")[1] not in given}
     chosen = [{"run.seed": seed} for seed in range(1, (seeds or 0) + 1)] or [{}]
     cases = [SiloCase.load(case, {**usual, **changes, **one}) for one in chosen]
     refuse_case(cases[0], window)

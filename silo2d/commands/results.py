@@ -94,10 +94,12 @@ def _by_engines(
     from granulab.campaign.output.files import refuse_unless_writable
     from granulab.campaign.output.terminal import Progress, StopRequest
     from silo2d.baseline.comparison import engine_pair, run_engines
+    from silo2d.case.case import SiloCase
 
     if seeds and "run.seed" in changes:
         raise click.UsageError("--seeds says this; leave --seed out")
-    chosen = range(1, seeds + 1) if seeds else [changes.get("run.seed", 1)]
+    own = SiloCase.load(case, changes).settings.run.seed
+    chosen = range(1, seeds + 1) if seeds else [own]
     pair = engine_pair(engines)
     refuse_unless_writable(out, "--out")
     with StopRequest() as stop, Progress(case, quiet=quiet, estimates=False) as bar:

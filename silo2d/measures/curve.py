@@ -103,18 +103,37 @@ def steady_part(times: Series, mass: Series, window: float | None = None) -> Ste
     start, end = _longest(np.abs(rate / mean - 1) <= TOLERANCE)
     if end - start < 2:
         return None
-    return part_between(times, mass, middles[start], middles[end - 1], window)
+    # Where it is steady was chosen by the scatter, which would be too small there.
+    first, last = np.quantile(times, (0.1, 0.9))
+    scatter = _fano(times, float(first), float(last), window)
+    return part_between(times, mass, middles[start], middles[end - 1], window, scatter)
 
 
-def part_between(times: Series, mass: Series, start: float, end: float, window: float) -> Steady:
-    """The part of a discharge between two times [s], its Fano factor from windows [s]."""
+def part_between(
+    times: Series, mass: Series, start: float, end: float, window: float, fano: float | None = None
+) -> Steady:
+    """The part of a discharge between two times [s].
+
+    Its Fano factor is of windows [s] of the same part unless given.
+    """
     counted = (times >= start) & (times < end)
-    edges = start + window * np.arange(int((end - start) / window + 1e-9) + 1)
-    numbers = np.diff(np.searchsorted(times, edges))
-    fano = 1.0
-    if len(numbers) >= _FEWEST_WINDOWS and numbers.sum() > 0:
-        fano = float(numbers.var(ddof=1) / numbers.mean())
+    fano = _fano(times, start, end, window) if fano is None else fano
     return Steady(float(start), float(end), int(counted.sum()), float(mass[counted].sum()), fano)
+
+
+def _fano(times: Series, start: float, end: float, window: float) -> float:
+    """Variance over mean of the numbers in windows between two times [s], about a straight line.
+
+    1, that of independent particles, of too few windows.
+    """
+    edges = start + window * np.arange(int((end - start) / window + 1e-9) + 1)
+    numbers = np.diff(np.searchsorted(times, edges)).astype(float)
+    n = len(numbers)
+    if n < _FEWEST_WINDOWS or numbers.sum() == 0:
+        return 1.0
+    lines = np.vander(np.arange(n) - (n - 1) / 2, 2)
+    left = numbers - lines @ np.linalg.lstsq(lines, numbers, rcond=None)[0]
+    return float((left**2).sum() / (n - 2) / numbers.mean())
 
 
 def _longest(holds: np.ndarray) -> tuple[int, int]:

@@ -38,6 +38,7 @@ from silo2d.measures.basics.dead_zones import (
     filled,
     standing,
 )
+from silo2d.measures.basics.particles import beside
 from silo2d.view.scene import Scene, read_scene
 
 if TYPE_CHECKING:
@@ -96,8 +97,9 @@ def field_of(scene: Scene, frames: NDArray[np.int64], width: float | None = None
 
 
 def in_silo(scene: Scene, frame: int) -> NDArray[np.bool_]:
-    """Particles with their centroid above the outlet (n,)."""
-    return scene.trajectory["inside"][frame] & (scene.trajectory["y"][frame] >= 0)
+    """Particles with their centroid above the outlet, and not beside the silo (n,)."""
+    x, y = (scene.trajectory[key][frame] for key in ("x", "y"))
+    return scene.trajectory["inside"][frame] & (y >= 0) & ~beside(scene, x, y)
 
 
 def _vectors(scene: Scene, frame: int, which: NDArray, *keys: str) -> tuple[Floats, Floats]:
@@ -160,7 +162,7 @@ def measure(folder: Path, between: tuple[float, float] | None = None) -> dict[st
     from_s, until_s, frames       the window
     mass_in_silo_kg               integral of the density over the plane, mean over the window
     bulk_fraction                 mean packing fraction between the lowest and highest profile,
-                                  where 0.99 of the kernel is inside
+                                  where 0.99 of the kernel is inside, of what is filled
     dead_area_m2, dead_share      dead zones in the flow, and over the silo below the fill level
     left_area_m2, left_share      what is filled at the end of a run that emptied or left dead zones
     profiles                      for each height: height_m, x_m, velocity_m_per_s (downwards is
@@ -204,7 +206,7 @@ def _bulk_fraction(scene: Scene, field: FlowField) -> float | None:
     low, *_, high = _heights(scene)
     part = part_inside(field.grid, inside_edges(scene))
     level = (field.grid.y >= low) & (field.grid.y <= high)
-    bulk = field.solid[(part > 0.99) & level[:, None]]
+    bulk = field.solid[(part > 0.99) & level[:, None] & filled(field.solid)]
     return float(bulk.mean()) if len(bulk) else None
 
 

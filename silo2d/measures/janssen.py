@@ -120,7 +120,7 @@ def column(moments: list[Moment]) -> Column:
     first, mass = scene.trajectory["y"][0][inside], scene.trajectory.static["mass"][inside]
     full = levels[min(1, n - 1)]  # the uppermost slab holds the rough surface
     counted = (first >= low) & (first < full) if n > 1 else first >= low
-    density = GRAVITY * mass[counted].sum() / (width * (full - low))
+    density = GRAVITY * mass[counted].sum() / _free(scene, low, full, width)
     vertical, weight, pressure, shear = each.mean(axis=0)
     middles = slabs.mean(axis=1)
     ends = (moments[0], moments[-1])
@@ -128,6 +128,21 @@ def column(moments: list[Moment]) -> Column:
     return Column(
         middles, vertical, weight, pressure, shear, float(density), width, each[:, 1], (start, end)
     )
+
+
+def _free(scene: Scene, low: float, high: float, width: float) -> float:
+    """Area [m2] between the vertical walls and two heights [m] that no insert takes."""
+    from shapely import Polygon, box, union_all
+
+    own = np.flatnonzero(scene.of_insert)
+    names = [scene.wall_names[k].split(" side")[0] for k in own]
+    inserts = [
+        Polygon([scene.walls[k][0] for k, name in zip(own, names, strict=True) if name == one])
+        for one in dict.fromkeys(names)
+    ]
+    left, right = scene.across
+    taken = union_all(inserts).intersection(box(left, low, right, high)).area
+    return float(width * (high - low) - taken)
 
 
 def _weight_over(moment: Moment, low: float) -> float:

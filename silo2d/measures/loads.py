@@ -138,6 +138,9 @@ def in_blocks(time: Floats, series: Floats) -> tuple[Floats, Floats] | None:
     """Means of samples (m, b) over AVERAGED, with their times; None of fewer than two a block."""
     number = np.floor((time - time[0]) / AVERAGED + 1e-9).astype(int)
     blocks, first, count = np.unique(number, return_index=True, return_counts=True)
+    if len(blocks) > 1 and count[-1] < count[:-1].max() - 1:  # the last may be cut off
+        series, blocks = series[: first[-1]], blocks[:-1]
+        first, count = first[:-1], count[:-1]
     if len(time) < 2 * len(blocks):
         return None
     sums = np.add.reduceat(series, first, axis=0)

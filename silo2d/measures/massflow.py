@@ -13,6 +13,7 @@ no walls here.
 The error is the standard error over five equal parts of the window.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granulab.campaign.output.figure import BLUE, GREEN, GREY, VERMILION, headline
+from granulab.errors import InputError
 from silo2d.measures.basics.particles import (
     FEWEST_OUT,
     Series,
@@ -52,13 +54,18 @@ def measure(
     scene = read_scene(folder)
     band = band or float(scene.trajectory.attributes["level"]) / _BANDS
     start, end = between or _steady_window(scene)
+    if not ((scene.time >= start) & (scene.time <= end)).any():
+        raise InputError(
+            f"between {start:g} s and {end:g} s: no frame; the run has them from 0 to "
+            f"{scene.time[-1]:.3g} s"
+        )
     edges: Series = np.arange(int(scene.window[3] / band) + 1.0) * band
     wall, centre = strip_velocities(scene, edges, start, end)
     index, error = index_and_error(wall, centre)
     v_wall, v_centre = (mean_velocity(sums.sum(axis=0)) for sums in (wall, centre))
     rows = [
         {"from_m": float(edges[k]), "until_m": float(edges[k + 1]), "index": i, "error": e,
-         "wall_m_per_s": w, "centre_m_per_s": c, "flow": _flow(i, e)}
+         "wall_m_per_s": w, "centre_m_per_s": c, "flow": flow_by(i, e)}
         for k, (i, e, w, c) in enumerate(
             zip(*map(numbers, (index, error, v_wall, v_centre)), strict=True)
         )
@@ -72,19 +79,34 @@ def measure(
     }
 
 
-def _steady_window(scene: Scene) -> tuple[float, float]:
-    times, mass = leavers(scene, FEWEST_OUT, "a mass flow index")
-    steady = steady_part(times, mass)
-    return (steady.start, steady.end) if steady else (0.0, float(times[-1]))
+def lowest_over(each: Sequence[dict[str, Any]]) -> tuple[float, float] | None:
+    """The lowest index of the bands' means over runs, and its standard error; None of no band.
+
+    each: what `measure` gives of runs of one silo. Bands without an error in a run do not count.
+    """
+    found = []
+    for rows in zip(*(one["bands"] for one in each), strict=False):
+        known = [(r["index"], r["error"]) for r in rows
+                 if r["index"] is not None and r["error"] is not None]  # fmt: skip
+        if known:
+            index, error = np.array(known).T
+            found.append((float(index.mean()), float(np.hypot.reduce(error)) / len(known)))
+    return min(found, default=None)
 
 
-def _flow(index: float | None, error: float | None) -> str | None:
+def flow_by(index: float | None, error: float | None) -> str | None:
     """Side of the limit that an index lies on by two errors, in words."""
     if index is None or error is None:
         return None
     if abs(index - LIMIT) <= 2 * error:
         return "undecided"
     return "mass flow" if index > LIMIT else "funnel flow"
+
+
+def _steady_window(scene: Scene) -> tuple[float, float]:
+    times, mass = leavers(scene, FEWEST_OUT, "a mass flow index")
+    steady = steady_part(times, mass)
+    return (steady.start, steady.end) if steady else (0.0, float(times[-1]))
 
 
 def strip_velocities(

@@ -92,15 +92,18 @@ def layer_lines(scene: Scene, frames: Sequence[int]) -> tuple[Series, np.ndarray
     """
     names, layer = np.unique(scene.trajectory.static["layer"], return_inverse=True)
     edges, start = column_edges(scene), start_height(scene)
-    level = np.bincount(layer, start) / np.bincount(layer)
     inside = in_silo(scene)
+    poured = inside[0]  # what waits in a store is of no layer
+    level = np.bincount(layer[poured], start[poured], len(names)) / np.maximum(
+        np.bincount(layer[poured], minlength=len(names)), 1
+    )
     shape = len(names), len(frames), len(edges) - 1
     lines, counts = np.full(shape, np.nan), np.zeros(shape, dtype=np.int64)
     scatter = np.full(shape[:2], np.nan)
     for f, frame in enumerate(frames):
         fallen = start - scene.trajectory["y"][frame]
         column = np.digitize(scene.trajectory["x"][frame], edges[1:-1])
-        here = inside[frame]
+        here = inside[frame] & poured
         n, mean, squares = _cells(layer[here], column[here], fallen[here], (shape[0], shape[2]))
         enough = n >= _FEWEST
         lines[:, f] = np.where(enough, level[:, None] - mean, np.nan)

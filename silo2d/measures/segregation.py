@@ -74,7 +74,7 @@ def components(scene: Scene) -> dict[str, NDArray[np.bool_]]:
         names = json.loads(trajectory.attributes["part_names"])
         found = {names[part]: parts[kind] == part for part in np.unique(parts)}
     if np.ptp(size) > 1e-6 * size.mean():
-        found["fine"] = size < size.mean()
+        found["below mean area" if "fine" in found else "fine"] = size < size.mean()
     found = {name: member for name, member in found.items() if 0 < member.sum() < len(member)}
     if not found:
         raise InputError("all particles are alike: there is nothing to segregate")

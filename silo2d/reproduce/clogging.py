@@ -40,8 +40,8 @@ _CRITERION = """\
 clogged: at rest with a particle across the outlet's centre line, of all runs that ended before the
   time limit, with Wilson's 95 % interval; at opening: with fewer particles out than [run]
   opening_count, of the same runs; later: the others, of those that did not stick at the opening.
-outcome: "agrees" where the interval of ours and that of the experiment overlap: a single trial
-  that clogs is compatible with any share above 0.21.
+outcome: "agrees" where Fisher's exact test does not part ours from the experiment's at 5 %: of a
+  single trial it hardly ever does.
 p: chance of counts as unlikely as these if both shares were equal, two-sided: of the sums by
   Fisher's exact test, and silo by silo with the sums of each given. The experiment repeated trials
   where a clog was seen; read as "until as many emptied", the chance of so few clogs by ours."""

@@ -100,7 +100,8 @@ def energy_chart(scene: Scene) -> "Figure":
         held.plot(time, energy, color=colour, label=label)
     if "given_to_door" in traj and traj["given_to_door"].any():
         worked = traj["given_to_door"][0] - traj["given_to_door"]
-        held.plot(time, worked, color=SKY, label="work of the door")
+        door = "door_speed" in traj.attributes
+        held.plot(time, worked, color=SKY, label=f"work of the {'door' if door else 'walls'}")
     held.set_ylabel("particles inside [J]")
     _legend(held)
 

@@ -379,6 +379,7 @@ def test_a_first_flow_that_ended_too_early_leaves_their_share_unknown(rng):
 def test_an_outlet_that_does_not_clog_bounds_its_mean(rng):
     """Two runs of which nothing clogged: 800 and 400 left after their first cut, none of them in a
     clog, so that fewer than 3.69 are expected (97.5 %): <s> above 1200/3.69."""
+    from silo2d.view.clogging.figure import draw
     from silo2d.view.clogging.words import in_words
 
     rows = [made_row(0.05, seed, 20, rng) for seed in (1, 2, 3)]
@@ -391,6 +392,9 @@ def test_an_outlet_that_does_not_clog_bounds_its_mean(rng):
     assert (free["mean_avalanche"], free["unclogged"]) == (None, 1200)
     assert free["mean_avalanche_interval"] == [pytest.approx(1200 / 3.6889, rel=1e-4), None]
     assert "nothing clogged at 60 mm: the bound is of 1,200 particles" in in_words(found)
+    arrows = [line for axes in draw(found, rows, "Clogging").axes for line in axes.lines
+              if line.get_marker() == "^"]  # fmt: skip
+    assert [line.get_ydata()[0] for line in arrows] == [pytest.approx(1200 / 3.6889, rel=1e-4)]
 
 
 def test_outlets_that_refute_the_law_are_not_extrapolated(rng):

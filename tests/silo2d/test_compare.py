@@ -92,6 +92,17 @@ def test_engines_are_compared_on_the_same_packing(reference, runs, tmp_path):
     assert second.startswith(f"2 {Path(folders[1]).name}; run.engine pymunk")
 
 
+def test_engines_run_the_seed_of_the_case(tmp_path, monkeypatch):
+    asked = []
+    monkeypatch.setattr(
+        "silo2d.baseline.comparison.run_engines",
+        lambda case, changes, pair, seeds, *others: asked.append(list(seeds)) or [],
+    )
+    case = write_case(tmp_path, {"run.seed": 7})
+    silo2d("compare", "--engines", "dem,pymunk", case, "-o", tmp_path / "runs", "--quiet")
+    assert asked == [[7]]
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

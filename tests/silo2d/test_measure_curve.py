@@ -46,6 +46,18 @@ def test_errors_of_a_poisson_flow_are_those_of_its_rate():
     assert abs(np.mean(off)) < 4 / np.sqrt(200)
 
 
+def test_the_scatter_of_a_flow_is_not_that_of_where_it_scatters_least():
+    """Independent particles have a Fano factor of 1; in the stretch whose windows lie within a
+    quarter of the mean it was 0.6 of 400. The mean of 200, each from ten windows less a line
+    (sd sqrt(2/8)), is 1 to four standard errors."""
+    rng = np.random.default_rng(5)
+    found = []
+    for _ in range(200):
+        times = np.sort(rng.uniform(0, 1, rng.poisson(400)))
+        found.append(curve.steady_part(times, np.ones(len(times))).fano)
+    assert np.mean(found) == pytest.approx(1.0, abs=4 * 0.5 / np.sqrt(200))
+
+
 def test_steady_part_leaves_out_start_and_end():
     """Half the rate for 0.4 s, the full rate for 2 s, a tenth for 1 s: the middle is steady.
 

@@ -38,6 +38,21 @@ def test_layers_that_come_down_as_one_have_no_v(tmp_path):
     np.testing.assert_allclose(line, expected, atol=2e-7)
 
 
+def test_what_waits_in_a_store_is_of_no_layer(tmp_path):
+    """Particles of the uppermost layer that are put on later: its line stays where it was."""
+    write_moved_run(tmp_path, lambda s, t: falling(s, t, FALL), silo=WIDE)
+    scene = read_scene(tmp_path)
+    before = profile.layer_lines(scene, [0, 20])[0]
+    layer = scene.trajectory.static["layer"]
+    top = np.flatnonzero(layer == layer.max())[::2]
+    scene.trajectory.frames["inside"][:10, top] = False
+    after, counts, _ = profile.layer_lines(scene, [0, 20])
+    assert counts[-1, 1].sum() == (layer == layer.max()).sum() - len(top)
+    seen = np.isfinite(after[-1])
+    assert seen[:, 1:-1].all()
+    np.testing.assert_allclose(after[-1][seen], before[-1][seen], atol=6e-3)  # half a spacing
+
+
 def test_depth_and_width_of_a_parabola(tmp_path):
     """Fall s(x) = S (1 - (x/h)^2): depth S (x_s/h)^2 between columns at 0 and x_s, and the half
     depth is reached at x_s/sqrt(2) on both sides.

@@ -224,6 +224,10 @@ def test_parts_of_a_mixture_are_told_apart_by_name_and_by_size(tmp_path, monkeyp
     assert [row["component"] for row in found["components"]] == ["large", "small", "fine"]
     assert found["small_at_opening"] == found["fine_at_opening"] == found["large_at_opening"]
     assert found["small_at_opening"] == pytest.approx(1.0, abs=1e-12)
+    scene.trajectory.attributes["part_names"] = json.dumps(["large", "fine"])  # theirs stays
+    own, by_size = segregation.components(scene)["fine"], segregation.components(scene)
+    assert (own == (x <= 0)).all()
+    assert list(by_size) == ["large", "fine", "below mean area"]
     scene.trajectory.static["kind"] = np.zeros_like(kinds)
     assert_refuses(["all particles are alike"], segregation.measure, tmp_path)
 

@@ -77,7 +77,8 @@ def standing(
     """
     left, right = scene.across
     plug = mass_flow / (density * (right - left))
-    there, slow = filled(solid), np.nan_to_num(speed) < SLOW * plug
+    there = filled(solid)
+    slow = (np.nan_to_num(speed) < SLOW * plug) | (plug == 0)  # where nothing flows all stands
     return DeadZones(grid, there & slow, there & ~slow, area_of_silo(scene, grid), plug)
 
 

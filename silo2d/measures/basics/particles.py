@@ -66,7 +66,19 @@ def in_silo(scene: Scene) -> NDArray[np.bool_]:
     were not taken out, and wait in no store.
     """
     out_time = scene.trajectory["out_time"][-1]
-    return scene.trajectory["inside"] & ~(out_time <= scene.time[:, None])  # NaN: never
+    there = scene.trajectory["inside"] & ~(out_time <= scene.time[:, None])  # NaN: never
+    return there & ~beside(scene, scene.trajectory["x"], scene.trajectory["y"])
+
+
+def beside(scene: Scene, x: NDArray, y: NDArray) -> NDArray[np.bool_]:
+    """Mask of centroids [m] that have left through a window and fall beside the silo's walls."""
+    if scene.n_doors < 2:
+        return np.zeros(np.shape(x), bool)
+    from shapely import Polygon, contains_xy
+
+    silo = Polygon(scene.walls[~scene.of_insert].reshape(-1, 2))
+    below = y < scene.walls[..., 1].max()
+    return below & (y >= 0.0) & ~contains_xy(silo, x, y)
 
 
 def leavers(scene: Scene, fewest: int = 0, what: str = "this") -> tuple[Series, Series]:

@@ -65,7 +65,7 @@ def _means(axes: "Axes", found: Mapping[str, Any]) -> None:
         axes.errorbar(one["outlet_over_diameter"], mean, [[mean - low], [high - mean]], fmt="o",
                       color=BLUE, capsize=3, ms=4)  # fmt: skip
     for one in found["outlets"]:
-        if one["mean_avalanche"] is None and one["avalanches"]:
+        if one["mean_avalanche"] is None and one["mean_avalanche_interval"][0] > 0:
             axes.plot(one["outlet_over_diameter"], one["mean_avalanche_interval"][0], "^",
                       color=BLUE, ms=6)  # fmt: skip
     if known:

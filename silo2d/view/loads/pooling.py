@@ -7,16 +7,22 @@ from typing import Any
 import numpy as np
 
 from granulab.campaign.output.statistics import mean_sd, quantile
+from silo2d.measures.loads import COLOURS
 
 _OVER_SEEDS = ("normal_pa", "shear_pa")
 
 
 def combined(each: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """One set of numbers of several runs: means, half widths of their intervals, largest peaks."""
-    names = [name for name in each[0]["stages"] if all(name in one["stages"] for one in each)]
-    stages = {name: _stage([one["stages"][name] for one in each]) for name in names}
-    angles = [a for one in each if (a := one["effective_friction_deg"]) is not None]
-    low, high = each[0]["effective_friction_low_deg"], each[0]["effective_friction_high_deg"]
+    """One set of numbers of several runs: means, half widths of their intervals, largest peaks.
+
+    A stage is of the runs that have it: one that clogs early has no flow.
+    """
+    stages = {name: _stage(of_stage(each, name)) for name in stages_of(each)}
+    known = [one for one in each if one["effective_friction_deg"] is not None]
+    angles = [one["effective_friction_deg"] for one in known]
+    low, high = (
+        known[0][f"effective_friction_{end}_deg"] if known else None for end in ("low", "high")
+    )
     if len(angles) > 1:
         half = half_width(angles)
         low, high = float(np.mean(angles)) - half, float(np.mean(angles)) + half
@@ -29,6 +35,18 @@ def combined(each: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "averaged_s": each[0]["averaged_s"],
         "stages": stages,
     }
+
+
+def stages_of(each: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Names of the stages that any of some runs has, in their order."""
+    longest = sorted((list(one["stages"]) for one in each), key=len, reverse=True)
+    known = dict.fromkeys(name for names in longest for name in names)
+    return [name for name in COLOURS if name in known]
+
+
+def of_stage(each: Sequence[Mapping[str, Any]], name: str) -> list[Mapping[str, Any]]:
+    """A stage of the runs that have it."""
+    return [one["stages"][name] for one in each if name in one["stages"]]
 
 
 def half_width(values: Sequence[float]) -> float:

@@ -26,7 +26,7 @@ from silo2d.measures.basics.contacts import read_moments
 from silo2d.measures.basics.particles import prism_length
 from silo2d.measures.basics.walls import STRETCH, sides_of
 from silo2d.measures.janssen import Column, column, topmost_vertical, vertical_walls
-from silo2d.view.loads.pooling import combined, half_width, mean_of
+from silo2d.view.loads.pooling import combined, half_width, mean_of, of_stage, stages_of
 from silo2d.view.scene import Scene
 
 _LEVEL = {"rules.surface": "level"}  # a filling of the simulation is levelled off
@@ -149,6 +149,12 @@ def _refuse_unlike(folders: Sequence[Path], cases: Sequence[SiloCase]) -> None:
 def _notes(scene: Scene, vessel: Vessel, dem: Mapping[str, Any]) -> list[str]:
     """Properties of the runs that are not those the closed forms are made for."""
     found, size = [], scene.particle_size
+    n = max(stage["runs"] for stage in dem["stages"].values())
+    found += [
+        f"{name.replace('_', ' ')}: of {stage['runs']} of {n} runs, which have one"
+        for name, stage in dem["stages"].items()
+        if stage["runs"] < n
+    ]
     if size > _LARGEST_PARTICLE * vessel.characteristic_width:
         found.append(
             f"particles of {1e3 * size:.3g} mm: the standard is made for at most 0.03 d_c, "
@@ -262,22 +268,22 @@ def _half_angle(walls: Floats, upright: Floats) -> float | None:
 
 def _flow_of(folders: Sequence[Path], between: Between) -> dict[str, Any]:
     """Mass flow index and dead zones, means over runs; None of runs that hardly flowed."""
-    indices: list[float | None] = []
+    flowed: list[dict[str, Any]] = []
     zones: dict[str, list[float | None]] = {
         key: [] for key in ("dead_area_m2", "dead_share", "left_area_m2", "left_share")
     }
     for folder in folders:
         try:
-            indices.append(massflow.measure(folder, between=between)["lowest_index"])
+            flowed.append(massflow.measure(folder, between=between))
             own = fields.measure(folder, between)
         except InputError:  # fewer than twenty particles left
             continue
         for key, values in zones.items():
             values.append(own[key])
-    known = [value for value in indices if value is not None]
+    index, error = massflow.lowest_over(flowed) or (None, None)
     return {
-        "mass_flow_index": mean_of(known),
-        "mass_flow_index_half_width": half_width(known) if len(known) > 1 else None,
+        "mass_flow_index": index,
+        "mass_flow_index_error": error,
         **{key: mean_of(values) for key, values in zones.items()},
     }
 
@@ -291,13 +297,14 @@ def compared(
     fill, foot: heights [m] of the surface before the opening and of the walls' foot.
     """
     own, rows = Loads(design), []
-    names = [name for name in each[0]["stages"] if all(name in one["stages"] for one in each)]
+    names = stages_of(each)
     profiles = {
-        name: [loads.profile(one["stages"][name], "normal_pa") for one in each] for name in names
+        name: [loads.profile(stage, "normal_pa") for stage in of_stage(each, name)]
+        for name in names
     }
     sides = {
         name: {
-            side: [loads.profile(one["stages"][name], "normal_pa", side) for one in each]
+            side: [loads.profile(stage, "normal_pa", side) for stage in of_stage(each, name)]
             for side in ("left", "right")
         }
         for name in names
@@ -331,13 +338,12 @@ def _flow_pattern(design: Design, dem: Mapping[str, Any]) -> dict[str, Any]:
     given = [dem["effective_friction_low_deg"], dem["effective_friction_high_deg"]]
     ends = [math.radians(a) for a in given if a is not None] or [design.solid.effective_friction]
     limits = [mass_flow_limit(delta, wall, design.vessel.hopper == "wedge") for delta in ends]
-    index = dem["mass_flow_index"]
+    index, error = dem["mass_flow_index"], dem["mass_flow_index_error"]
     return {
         "jenike": flow_pattern(beta, mass_flow_limit(
             design.solid.effective_friction, wall, design.vessel.hopper == "wedge")),
         "jenike_over_interval": list(dict.fromkeys(flow_pattern(beta, one) for one in limits)),
         "mass_flow_up_to_deg": [math.degrees(one) for one in limits],
         "mass_flow_index": index,
-        "by_index": None if index is None
-        else "mass flow" if index > massflow.LIMIT else "funnel flow",
+        "by_index": massflow.flow_by(index, error),
     }  # fmt: skip

@@ -318,9 +318,14 @@ def flow_facts(found: Mapping[str, Any]) -> list[Part]:
         limits = " to ".join(dict.fromkeys(ends))
         parts.append(Fact("measured", f"{words}: {verdicts} after Jenike (limit {limits} deg)"))
     if flow["mass_flow_index"] is not None:
-        parts.append(Fact("by the runs", f"{flow['by_index']}: lowest mass flow index "
-                                         f"{_no_sign(flow['mass_flow_index'], 2):.2f} "
-                                         "(limit 0.3)"))  # fmt: skip
+        parts.append(
+            Fact(
+                "by the runs",
+                f"{flow['by_index']}: lowest mass flow index "
+                f"{_no_sign(flow['mass_flow_index'], 2):.2f} +- "
+                f"{dem['mass_flow_index_error']:.2f} (limit 0.3)",
+            )
+        )
     if dem["dead_share"] is not None:
         left = "" if dem["left_share"] is None else (
             f"; left at the end {1e4 * dem['left_area_m2']:.0f} cm2, "
