@@ -44,7 +44,7 @@ def stages_of(each: Sequence[Mapping[str, Any]]) -> list[str]:
     return [name for name in COLOURS if name in known]
 
 
-def of_stage(each: Sequence[Mapping[str, Any]], name: str) -> list[Mapping[str, Any]]:
+def of_stage(each: Sequence[Mapping[str, Any]], name: str) -> list[dict[str, Any]]:
     """A stage of the runs that have it."""
     return [one["stages"][name] for one in each if name in one["stages"]]
 
