@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granulab.campaign.output.figure import VERMILION, headline
+from granulab.errors import InputError
 from silo2d.measures.basics.particles import Series, outlet_centre
 from silo2d.view.scene import Scene, read_scene
 
@@ -134,8 +135,15 @@ def measure(folder: Path, threshold: float = THRESHOLD, gap: float = GAP) -> dic
     """Sticking fraction, sticks and slips of each wall and of all; see the module's text.
 
     threshold   speed below which a particle sticks [m/s]; gap: within which it touches [m]
+
+    Raises InputError of walls that vibrate.
     """
     scene = read_scene(folder)
+    if "vibration_frequency" in scene.trajectory.attributes:
+        raise InputError(
+            f"{folder}: its walls vibrate: sticking is judged by velocities against walls at rest; "
+            "take a run without vibration"
+        )
     walls = sliding(scene, gap)
     interval = float(np.diff(scene.time[:3]).min()) if len(scene.time) > 2 else None
     both = np.concatenate([wall.speed for wall in walls.values()], axis=1)

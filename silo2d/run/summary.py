@@ -105,6 +105,8 @@ def describe(case: SiloCase, packing: Packing) -> tuple[dict[str, np.ndarray], d
         "lips": np.array(case.outline.lips),
         "level": case.settings.fill.level,
     }
+    if case.settings.flow.vibration_frequency is not None:
+        attributes["vibration_frequency"] = case.settings.flow.vibration_frequency
     if case.settings.run.door_speed is not None:
         attributes["door_speed"] = case.settings.run.door_speed
     if case.settings.flow.gate_times:

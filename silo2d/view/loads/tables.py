@@ -216,7 +216,7 @@ def closed_parts(forms: Mapping[str, Any]) -> list[Part]:
 
 def pascal(value: float | None) -> str:
     """A pressure in whole pascals."""
-    return "-" if value is None else f"{value:.0f}"
+    return "-" if value is None else f"{_no_sign(value, 0):.0f}"
 
 
 def run_parts(found: Mapping[str, Any]) -> list[Part]:
