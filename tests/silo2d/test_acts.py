@@ -12,7 +12,7 @@ from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import read_trajectory
 from granulab.errors import Stopped
 from silo2d.case.case import SiloCase
-from silo2d.measures import residence
+from silo2d.measures import residence, stickslip
 from silo2d.measures.basics.particles import in_silo
 from silo2d.run.protocol import run
 from silo2d.view.report import echo
@@ -162,6 +162,7 @@ def test_nothing_is_at_rest_while_its_walls_vibrate(tmp_path):
         run__rest_time="20 ms", run__max_time="0.6 s", law__mu_particle=1.0,
     )  # fmt: skip
     assert (result.outcome, result.clogged) == ("time_limit", None)
+    assert_refuses(["its walls vibrate"], stickslip.measure, Path(result.run_folder))
 
 
 def test_the_echo_names_what_acts_besides(tmp_path):
