@@ -4,7 +4,7 @@ import dataclasses
 import json
 import shlex
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -92,8 +92,11 @@ def clog(
     place = Path(write or Path(out) / "clog")
     known: list[dict[str, Any]] = []
     kept: list[str] = []
+    table = place / f"{_name(cases[0][1])}.csv"
     if add:
-        known, kept = _known(place / f"{_name(cases[0][1])}.csv", runs_of)
+        known, kept = _known(table, runs_of)
+    elif table.exists() and not dry_run:
+        _refuse_to_replace(table, runs_of)
     wanted = lacking(cases, known)
     if dry_run:
         click.echo(_planned(wanted, protocol, as_json))
@@ -135,17 +138,46 @@ def _known(
     from silo2d.avalanches.sweep import AVALANCHES
 
     made, rows, kept = rows_there(file, AVALANCHES)
-    command = made.get("command", "")
-    theirs, ours = (_without(shlex.split(text), _RUNS) for text in (command, _command()))
-    if "case" in made:
-        _, _, outlet, _, _, seed = made["case"].split()
-        theirs, ours = [made["case"]], [_digest(runs_of([1e-3 * float(outlet)], [int(seed)])[0])]
-    if rows and theirs != ours:
+    if rows and not (_same_case(made, runs_of) if "case" in made else _same_command(made)):
         raise InputError(
-            f"--add: {file} was made by {command!r} of another silo, protocol or file; give the "
-            "same, or --write"
+            f"--add: {file} was made by {made.get('command', '')!r} of another silo, protocol or "
+            "file; give the same, or --write"
         )
     return rows, kept
+
+
+def _refuse_to_replace(
+    file: Path, runs_of: "Callable[[list[float], list[int]], list[Labelled]]"
+) -> None:
+    """InputError where the file of this name is of another command and of another case."""
+    from granulab.campaign.output.results import read_results
+    from granulab.errors import FolderError, InputError
+
+    try:
+        made, rows = read_results(file)
+    except FolderError:  # damaged: nothing to lose
+        return
+    if rows and "case" in made and not (_same_command(made) or _same_case(made, runs_of)):
+        raise InputError(
+            f"{file}: is of {made.get('command', '')!r}, another silo or protocol, and would be "
+            "replaced; give --write with another folder"
+        )
+
+
+def _same_command(made: "Mapping[str, str]") -> bool:
+    """True where a file was made by this command but for the runs that it asks for."""
+    theirs, ours = (
+        _without(shlex.split(text), _RUNS) for text in (made.get("command", ""), _command())
+    )
+    return theirs == ours
+
+
+def _same_case(
+    made: "Mapping[str, str]", runs_of: "Callable[[list[float], list[int]], list[Labelled]]"
+) -> bool:
+    """True where the run that a file has the digest of is one of this command's."""
+    _, _, outlet, _, _, seed = made["case"].split()
+    return made["case"] == _digest(runs_of([1e-3 * float(outlet)], [int(seed)])[0])
 
 
 def _lengths(text: str) -> list[float]:

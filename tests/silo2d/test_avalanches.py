@@ -353,6 +353,10 @@ def test_rows_that_are_kept_are_not_run_and_those_of_other_options_are_refused(w
     file.write_text(re.sub(r"# case: .*\n", "", text))  # as versions before wrote it
     assert silo2d(*words, "--dry-run").code == 0
     assert_refused(silo2d(*words, "--largest", "900", "--dry-run"), "another silo")
+    file.write_text(text)
+    refused = silo2d(*words[:-1], "--mu-wall", "0.3")  # without --add, of its name
+    assert_refused(refused, f"{file}: is of", "would be replaced", "--write")
+    assert file.read_text() == text
 
 
 def test_cost_is_told_before(tmp_path):
