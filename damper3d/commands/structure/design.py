@@ -68,6 +68,7 @@ def design(
 
 def _plan(designer: "Designer", compare: int) -> dict[str, Any]:
     from damper3d.studies.design.candidates import NEARBY
+    from damper3d.studies.design.design import AGAIN
 
     spec = designer.task.spec
     costs = designer.expected_cpu_s(compare, min(_DRAWN, compare))
@@ -80,7 +81,9 @@ def _plan(designer: "Designer", compare: int) -> dict[str, Any]:
         "candidates": designer.number,
         "expected_cpu_min": sum(costs.values()) / 60,
         "parts_cpu_min": {name: cost / 60 for name, cost in costs.items()},
-        "verified": (spec.search.verified + 1 + len(NEARBY)) * spec.search.seeds * 3,
+        "verified": (spec.search.verified + 1 + len(NEARBY) + AGAIN * len(spec.level.range))
+        * spec.search.seeds
+        * 3,
     }
 
 
