@@ -121,8 +121,26 @@ def _parted(rows: Sequence[Row], counted: Sequence[int]) -> tuple[list[Row], lis
 
 def _label(fields: Sequence[str]) -> str:
     """The first word of a line."""
-    word = next((field for field in fields if field and number(field) is None), "")
+    return _plain(next((field for field in fields if field and number(field) is None), ""))
+
+
+def _plain(word: str) -> str:
     return word.strip(" :.=").lower()
+
+
+def is_made_of_others(label: str) -> bool:
+    """True for the label of a line that spreadsheets make of those above: "SD [mm]", "max:"."""
+    return _plain(name_and_unit(label)[0].rstrip("% ")) in _MEANS | _WITH_MEANS
+
+
+def is_slip(fields: Sequence[str]) -> bool:
+    """True if one of the fields of a line of numbers holds neither a number nor nothing.
+
+    A line of words alone is a note.
+    """
+    held = [field for field in fields if not is_missing(field)]
+    wrong = [field for field in held if number(field) is None]
+    return bool(wrong) and (len(wrong) < len(held) or any(map(_LIKE_A_NUMBER.match, wrong)))
 
 
 def _is_note(fields: Sequence[str], counted: Sequence[int]) -> bool:

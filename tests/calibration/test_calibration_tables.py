@@ -200,6 +200,8 @@ def test_parts_of_a_head():
         ("time [ms];load [N]\n1.5,2\n2.5,3\n", "line 1, .* does not name them; write a line of"),
         ("a;b\n20.8°;c\n", "no column of numbers; line 2: a = '20.8°' is no number"),
         ("a;b\n1,5;2\n2.5;3\n", "decimal commas and decimal points"),
+        ("a;b\n0,5;1.250\n0,6;1.500\n", "a = '0,5' has a decimal comma and b = '1.250' a point"),
+        ("a;b\n0.5;1,250\n0.6;1,500\n", "b = '1,250' has a decimal comma and a = '0.5' a point"),
         (b"RIFF\x00\x01\x02", "not a text file"),
     ],
 )
