@@ -70,6 +70,9 @@ def measure_drop(
     fps = said_rate(fps)
     film = open_film(source) if isinstance(source, str | Path) and is_film(source) else None
     if film is None:
+        for option, value in (("--roi", roi), ("--at", hint)):
+            if value is not None:
+                raise InputError(f"{where}{option} is of a film's pictures; this is a table")
         found = the_one_that_bounces(_tracks(source, units), track, one_bounce, where)
     else:
         refuse_units(film.path, units)

@@ -163,10 +163,13 @@ def _head(
 
     if len(above) > 1 and _are_units(above[-1], above[-2]):
         return above[-2], above[-1], above[:-2]
-    for k in reversed(range(len(above))):
-        if filled(above[k]) >= counted:
-            return above[k], [], [*above[:k], *above[k + 1 :]]
-    return [], [], above
+    enough = [k for k, fields in enumerate(above) if filled(fields) >= counted]
+    if counted > 1 and not enough:  # pandas writes no name above its column of line numbers
+        enough = [k for k, one in enumerate(above) if not one[0] and filled(one) + 1 >= counted]
+    if not enough:
+        return [], [], above
+    k = enough[-1]
+    return above[k], [], [*above[:k], *above[k + 1 :]]
 
 
 def _are_units(fields: Sequence[str], names: Sequence[str]) -> bool:

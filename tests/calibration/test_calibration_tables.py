@@ -161,6 +161,14 @@ def test_a_head_and_labels_stand_between_spaces(tmp_path):
     assert (table.units["angle"], table.labels("pairing")) == ("deg", ("A", "B"))
 
 
+@pytest.mark.parametrize("head", [",angle [deg]", "#,angle [deg]", "# by hand\n#,angle [deg]"])
+def test_a_column_of_line_numbers_needs_no_name(tmp_path, head):
+    """As pandas writes its index; a # in front of a separator names a column, and is no remark."""
+    table = table_of(tmp_path, f"{head}\n# a remark\n0,20.8\n1,21.3\n")
+    assert list(table.columns["angle"]) == [20.8, 21.3]
+    assert table.units["angle"] == "deg"
+
+
 def test_what_else_spreadsheets_write(tmp_path):
     table = table_of(tmp_path, "sep=,\na,b\n1,2\n3,4\n")  # Excel's own line
     assert list(table.columns) == ["a", "b"]
