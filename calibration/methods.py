@@ -5,11 +5,12 @@ Columns, units and equations are those of the command: docs/laboratory/bench.md.
 
 import importlib
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypedDict, Unpack
 
 if TYPE_CHECKING:
-    from calibration.bench.measure import Measurement
+    from calibration.bench.measure import Measurement, Quantity
     from calibration.tracking.film.reader import Progress
 
 Files = str | Path | Sequence[str | Path]
@@ -168,7 +169,18 @@ def _measured(name: str, files: Files, inputs: Inputs, **own: Any) -> "Measureme
     paths = [files] if isinstance(files, str | Path) else list(files)
     named = {key: _options(value) for key, value in inputs.items()}
     found = getattr(module, method.function)(paths, request_of(module.INPUTS, **named), **own)
-    return Measurement(tuple(found), name, method.writes, not paths)
+    first = replace(found[0], remarks=(*found[0].remarks, *_idle(found)))
+    return Measurement((first, *found[1:]), name, method.writes, not paths)
+
+
+def _idle(found: "Sequence[Quantity]") -> list[str]:
+    """A remark on each input whose uncertainty was given and is in no result."""
+    names = set.intersection(*(set(one.idle) for one in found))
+    return [
+        f"the uncertainty of {name} is in no sigma: nothing here depends on {name}, or an offset "
+        "of a whole curve leaves its slope as it is"
+        for name in sorted(names)
+    ]
 
 
 def _options(value: Any) -> Any:

@@ -72,9 +72,12 @@ class _Records:
         return self._known[key]
 
     def slope(self, columns: Columns) -> Estimate:
-        """The mean of the cycles, with their scatter; of one cycle, its fit."""
+        """The mean of the cycles, sigma by their scatter; of one cycle, its fit. One trial."""
         found = [one.stiffness for one in self.cycles(columns)]
-        return found[0] if len(found) == 1 else of_trials([one.value for one in found])
+        if len(found) == 1:
+            return found[0]
+        mean = of_trials([one.value for one in found])
+        return Estimate(mean.value, mean.sigma, 1)
 
     def drawn(self, section: Section) -> Curve:
         """A record with compression positive, and the points of each unloading that were fitted."""
@@ -122,7 +125,7 @@ def stiffness(
     branch = Branch(*share, least_cycle)
     if not files:
         return [_contact_stiffness([_given(what)], what, _modulus_given)]
-    sections, remarks = curves(files, INPUTS, what, trial)
+    sections, remarks = curves(files, INPUTS, what, trial, [_CURVE, _STRESS])
     by_load = {need(section, [_CURVE, _STRESS], INPUTS) == 0 for section in sections}
     if len(by_load) > 1:
         raise InputError("some files have loads and some stresses; measure them one by one")
@@ -131,6 +134,8 @@ def stiffness(
         f"slopes between {branch.upper:.0%} and {branch.lower:.0%} of each unloading; its upper "
         "over its lower half: " + _bends(sections, records.cycles)
     )
+    if len(sections) == 1 and (n := len(records.cycles(sections[0].columns))) > 1:
+        remarks.append(f"{n} cycles of one specimen: sigma by their scatter, not by specimens'")
     found = []
     if records.y == "load":
         found.append(

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.statistics.uncertainty import Estimate
+from calibration.statistics.uncertainty import Estimate, student
 from granulab.errors import InputError
 
 
@@ -104,7 +104,8 @@ def line(x: NDArray[np.float64], y: NDArray[np.float64]) -> Estimate:
     """Slope of a straight line when both x and y are noisy, (n,) each.
 
     Least squares of y(x) makes it too small, of x(y) too large: their geometric mean is taken, and
-    their distance, as a rectangular distribution, is part of sigma.
+    their distance, as a rectangular distribution, is part of sigma, as is Student's factor for few
+    points.
     """
     dx, dy = x - x.mean(), y - y.mean()
     xx, yy, xy = dx @ dx, dy @ dy, dx @ dy
@@ -115,7 +116,8 @@ def line(x: NDArray[np.float64], y: NDArray[np.float64]) -> Estimate:
         )
     r2 = min(xy**2 / (xx * yy), 1.0)
     slope = np.sqrt(yy / xx)
-    error = slope * np.sqrt((1 - r2) / (len(x) - 2))
+    freedom = len(x) - 2
+    error = student(freedom) * slope * np.sqrt((1 - r2) / freedom)
     apart = (yy / xy - xy / xx) / 2 / np.sqrt(3)
     return Estimate(float(slope), float(np.hypot(error, apart)), 1)
 

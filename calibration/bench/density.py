@@ -32,8 +32,8 @@ _VOLUMES = {
 
 def density(files: Sequence[str | Path], what: Request) -> list[Quantity]:
     """Mass over volume, one row a particle."""
-    sections, remarks = rows(files, INPUTS, what)
     choices = [("mass", *names) for names in _VOLUMES]
+    sections, remarks = rows(files, INPUTS, what, choices)
     volumes = list(_VOLUMES.values())
     chosen = {need(section, choices, INPUTS) for section in sections}
     if len(chosen) > 1:

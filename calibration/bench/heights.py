@@ -17,10 +17,21 @@ from pathlib import Path
 
 import numpy as np
 
-from calibration.bench.measure import Quantity, measure
-from calibration.bench.sections import Columns, Input, Request, Section, need, rows
+from calibration.bench.measure import Quantity, measure, no_better_than
+from calibration.bench.sections import (
+    Columns,
+    Input,
+    Request,
+    Section,
+    chosen,
+    head_of,
+    need,
+    rows,
+)
 from calibration.files.dialect import Row, is_missing, name_and_unit, number
-from calibration.files.tables import read_table, rows_of
+from calibration.files.layout import is_made_of_others, is_slip
+from calibration.files.sheets import is_spreadsheet
+from calibration.files.tables import read_table, refuse_two_marks, rows_of
 from calibration.statistics.mixed import mixed
 from calibration.statistics.uncertainty import Estimate, pooled_summaries
 from granulab.contact.files.units import to_si
@@ -34,10 +45,16 @@ INPUTS = (
     Input("sd", "1", "its standard deviation, in per cent that of the mean,"),
     Input("trials", "1", "and the number of trials"),
 )
+_OF_SD = INPUTS[4]
 _CHOICES = (("h0", "h1", "h2"), ("h0", "h1"), ("h0", "mean", "sd", "trials"))
 _PER_CENT = ("%", "percent", "per cent")
-_MEAN, _SD = re.compile(r"\bmean\b", re.IGNORECASE), re.compile(r"\bs\.?d\.?\b", re.IGNORECASE)
+_MEAN = re.compile(r"\b(mean|mittelwert)\b", re.IGNORECASE)
+_SD = re.compile(
+    r"\b(s\.?d\.?|std(\.? ?dev)?|stdev|stdabw|standard deviation|standardabweichung)(?!\w)",
+    re.IGNORECASE,
+)
 _OF_OTHERS = re.compile(r"\b(average|overall|all|total)\b", re.IGNORECASE)
+_NUMBER = re.compile(r"\d+")
 _NAMES = re.compile(r"H_?0|drop height.*|release height.*|Fallhöhe.*", re.IGNORECASE)
 
 
@@ -58,9 +75,14 @@ def restitution(files: Sequence[str | Path], what: Request) -> list[Quantity]:
             remarks=[said, *remarks],
         )  # fmt: skip
     else:
+        if what.shared or what.single:
+            raise InputError(
+                "--instrument, --reading and the +- of a constant do not go with means, whose sd "
+                "is theirs: leave them out"
+            )
         found = _of_means(by_height, remarks)
     particles = {one.group: section.group for one, section in zip(by_height, sections, strict=True)}
-    found = nested(found, particles)
+    found = nested(found, particles, read=bool(what.single))
     return [replace(found, details=found.details | _details(found, by_height))]
 
 
@@ -74,10 +96,11 @@ def _height(section: Section) -> str:
     return f"{1e3 * float(section.columns['h0'][0]):.4g} mm"
 
 
-def nested(found: Quantity, particle_of: Mapping[str, str]) -> Quantity:
+def nested(found: Quantity, particle_of: Mapping[str, str], *, read: bool = False) -> Quantity:
     """Restitution over particles of several heights each, with the scatter of each level.
 
     particle_of   the particle of each group of the trials
+    read          the trials have the sigma of their readings: no mean is better known than by it
 
     Unchanged where there are fewer than two particles, or no particle has two heights.
     """
@@ -94,8 +117,17 @@ def nested(found: Quantity, particle_of: Mapping[str, str]) -> Quantity:
         "degrees of freedom",
     ]
     details = {"levels": names | {"degrees_of_freedom": levels.freedom}}
-    sigma = math.hypot(levels.mean.sigma or 0.0, *found.shared.values())
-    whole = replace(levels.mean, sigma=sigma or None)
+    whole = levels.mean
+    if read:
+        cells = [
+            no_better_than(
+                [v for _, own, v in found.trials if own == name], replace(one, sigma=None)
+            )
+            for name, one in groups.items()
+        ]
+        whole = no_better_than(cells, whole)
+    sigma = math.hypot(whole.sigma or 0.0, *found.shared.values())
+    whole = replace(whole, sigma=sigma or None)
     return replace(
         found, pooled=replace(found.pooled, all=whole), details=details,
         remarks=(*found.remarks, *said),
@@ -128,7 +160,12 @@ def _sections(files: Sequence[str | Path], what: Request) -> tuple[list[Section]
             continue
         remarks += said
         several = f" of {Path(file).name}" if len(files) > 1 else ""
-        cells = _cells(lines[first:], what, str(file))
+        _refuse_columns(what, str(file))
+        if not is_spreadsheet(Path(file)):
+            by_line = {f"line {line}": fields for line, fields in lines[first:]}
+            refuse_two_marks(by_line, str(file))
+        cells, left_out = _cells(lines[first:], what, str(file))
+        remarks += left_out
         sections += [one._replace(name=f"{one.name}{several}") for one in cells]
     for file in plain:
         more, said_of_rows = _rows(file, what)
@@ -137,7 +174,18 @@ def _sections(files: Sequence[str | Path], what: Request) -> tuple[list[Section]
         remarks += said_of_rows
     if not sections:
         raise InputError(f"{', '.join(map(str, files))}: no height of a rebound below those of H0")
-    return sections, remarks
+    return chosen(sections, what.only), remarks
+
+
+def _refuse_columns(what: Request, where: str) -> None:
+    """InputError for options that name columns, which a table with a line of heights has not."""
+    given = {"--group": what.group, "--column": what.columns}
+    for option, value in given.items():
+        if value:
+            raise InputError(
+                f"{where}: has a line of drop heights and its particles in the first column: "
+                f"{option} does not go with it; leave it out"
+            )
 
 
 def _rows(file: str | Path, what: Request) -> tuple[list[Section], list[str]]:
@@ -145,8 +193,10 @@ def _rows(file: str | Path, what: Request) -> tuple[list[Section], list[str]]:
     table = read_table(file).renamed(what.columns)
     if what.group is None and table.has("particle"):
         what = replace(what, group="particle")
-    found, remarks = rows([file], INPUTS, what)
-    head = next((name for name in table.texts if name.lower().startswith("sd")), "")
+    found, remarks = rows([file], INPUTS, replace(what, only=None), _CHOICES)
+    head = "" if "sd" in what.constants else head_of(_OF_SD, table) or ""
+    if head == "sd":  # or sd_percent
+        head = next(name for name in table.texts if re.fullmatch("sd(_.*)?", name.lower()))
     unit = table.units.get(head, "")
     if unit.lower() in _PER_CENT or head.lower().endswith(_PER_CENT):
         # A unit, or a name such as sd_percent, has made a part of it already.
@@ -158,6 +208,8 @@ def _rows(file: str | Path, what: Request) -> tuple[list[Section], list[str]]:
 def _with_sd_of(section: Section, part: float) -> Section:
     """A trial whose standard deviation was one of its mean, in parts of it."""
     known = section.columns
+    if not known.keys() >= {"sd", "mean"}:
+        return section
     sd = part * known["sd"] * known["mean"]
     return section._replace(columns=known | {"sd": sd})
 
@@ -172,45 +224,110 @@ def _line_of_heights(lines: Sequence[Row]) -> int | None:
     return None
 
 
-def _cells(lines: Sequence[Row], what: Request, where: str) -> Iterator[Section]:
-    """Trials below a line of drop heights, or means with the standard deviations below them."""
-    name, unit = name_and_unit(lines[0][1][0])
+def _cells(lines: Sequence[Row], what: Request, where: str) -> tuple[list[Section], list[str]]:
+    """Trials below a line of drop heights, or means with the standard deviations below them.
+
+    What is made of the trials above it, and notes, are left out, which the remarks say. Raises
+    InputError for a cell that holds no number.
+    """
+    line, head = lines[0]
+    name, unit = name_and_unit(head[0])
     if not unit:
-        raise InputError(f"{where}: line {lines[0][0]}: {name} has no unit; write '{name} [mm]'")
-    heights = [number(field) for field in lines[0][1]]
-    group, means = "", dict[int, float]()
+        raise InputError(f"{where}: line {line}: {name} has no unit; write '{name} [mm]'")
+    scale = to_si(f"1 {unit}", "m", where)
+    heights = {k: h for k, field in enumerate(head) if k and (h := number(field)) is not None}
+    found, kept, remarks = _Below(scale, heights), list[Row](), list[str]()
     for line, fields in lines[1:]:
         label = fields[0]
-        if _OF_OTHERS.search(label):
-            group, means = "", {}
-            continue
-        cells = {
-            k: value * to_si(f"1 {unit}", "m", where)
+        held = [fields[k] for k in heights if k < len(fields)]
+        made = kept and (is_made_of_others(label) or _SD.search(label) or _MEAN.search(label))
+        note = not any(map(_is_value, held)) and not is_slip(held)
+        if made or note or _OF_OTHERS.search(label):
+            found.means = {}
+            if any(fields):
+                said = " ".join(filter(None, fields))[:60]
+                remarks.append(
+                    f"{where}: line {line} left out, a note or made from other lines: {said!r}"
+                )
+        elif is_slip(held):
+            wrong = next(f for f in held if not is_missing(f) and number(f) is None)
+            raise InputError(
+                f"{where}: line {line}: {wrong!r} is no number; write the height, or leave the "
+                "cell empty"
+            )
+        elif _MEAN.search(label) or _SD.search(label):
+            found.add_mean(line, fields)
+        else:
+            kept.append((line, fields))
+    particle_of, said_of_labels = _particles([fields[0] for _, fields in kept])
+    for line, fields in kept:
+        found.add_trial(line, fields, particle_of.get(fields[0], "all"))
+    constants = {key: np.array([one]) for key, one in what.constants.items()}
+    sections = [one._replace(columns=one.columns | constants) for one in found.sections]
+    return sections, [*remarks, *said_of_labels]
+
+
+def _is_value(field: str) -> bool:
+    return not is_missing(field) and number(field) is not None
+
+
+class _Below:
+    """Sections of the lines below one of drop heights; scale: of a height [m]."""
+
+    def __init__(self, scale: float, heights: Mapping[int, float]) -> None:
+        self.scale, self.heights = scale, heights
+        self.sections: list[Section] = []
+        self.means: dict[int, float] = {}
+        self.group = ""
+
+    def _values(self, fields: Sequence[str]) -> dict[int, float]:
+        """The numbers of a line by column."""
+        return {
+            k: value
             for k, field in enumerate(fields)
-            if 0 < k < len(heights) and heights[k] is not None
-            and (value := number(field)) is not None and not math.isnan(value)
-        }  # fmt: skip
-        scale = to_si(f"1 {unit}", "m", where)
+            if k in self.heights and (value := number(field)) is not None and not math.isnan(value)
+        }
+
+    def _add(self, line: int, group: str, k: int, known: Mapping[str, float]) -> None:
+        columns = {"h0": self.scale * self.heights[k], **known}
+        arrays = {key: np.array([one]) for key, one in columns.items()}
+        self.sections.append(Section(group, f"line {line}", arrays))
+
+    def add_mean(self, line: int, fields: Sequence[str]) -> None:
+        """A line of means, or of the standard deviations of those above."""
+        label, values = fields[0], self._values(fields)
         if _MEAN.search(label):
-            group = _MEAN.sub("", label).strip(" :") or "all"
-            means = {k: value / scale for k, value in cells.items()}
-            continue
-        for k, value in cells.items():
-            height = heights[k]
-            assert height is not None
-            known = {"h0": height * scale}
-            if _SD.search(label):
-                if k not in means:
-                    continue  # of an average, which is made of the others
-                sd = value / scale
-                known |= {"mean": means[k], "sd": sd * (means[k] / 100 if "%" in label else 1.0)}
-                own = group
-            else:
-                known["h1"] = value
-                own = label if label and number(label) is None else "all"
-            known |= what.constants
-            columns = {key: np.array([one]) for key, one in known.items()}
-            yield Section(own, f"line {line}", columns)
+            self.group = _MEAN.sub("", name_and_unit(label)[0]).strip(" :") or "all"
+            self.means = values
+            return
+        for k, sd in values.items():
+            if k in self.means:  # else of an average, which is made of the others
+                mean = self.means[k]
+                sd *= mean / 100 if "%" in label else 1.0
+                self._add(line, self.group, k, {"mean": mean, "sd": sd})
+
+    def add_trial(self, line: int, fields: Sequence[str], group: str) -> None:
+        """A line of rebound heights."""
+        for k, value in self._values(fields).items():
+            self._add(line, group, k, {"h1": self.scale * value})
+
+
+def _particles(labels: Sequence[str]) -> tuple[dict[str, str], list[str]]:
+    """The particle of each label in words, and a remark on what labels were taken for.
+
+    Labels that stand once each and differ in a number alone are of trials, but "particle 1" is not.
+    """
+    words = [label for label in labels if label and number(label) is None]
+    names = list(dict.fromkeys(words))
+    if len(names) < 2:
+        return {name: name for name in names}, []
+    stems = {_NUMBER.sub("", name).strip().lower() for name in names}
+    if len(stems) == 1 and len(names) == len(words) and "particle" not in stems:
+        return {}, [
+            f"{names[0]!r} to {names[-1]!r} are taken for trials of one particle; of particles "
+            "write 'particle 1' and so on"
+        ]
+    return {name: name for name in names}, [f"each label is a particle: {', '.join(names)}"]
 
 
 def _of_heights(columns: Columns) -> Estimate:

@@ -15,7 +15,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from calibration.bench.measure import Quantity, measure
-from calibration.bench.sections import Columns, Input, Request, Section, filmed, need, rows
+from calibration.bench.sections import (
+    Columns,
+    Input,
+    Request,
+    Section,
+    filmed,
+    need,
+    refuse_without_films,
+    rows,
+)
 from calibration.statistics.quantity import measured_quantity
 from calibration.statistics.uncertainty import Estimate
 from calibration.tracking.film.reader import Progress, Region, is_film
@@ -32,7 +41,9 @@ INPUTS = (
 )
 
 
+_CHOICES = (["angle"], ["h1", "h2", "length"])
 _SIGMA = "sigma of the angle"  # rad, of a film
+_START = "--start-angle"  # rad that the plate of a film is off what was given; 0
 
 
 def friction(
@@ -45,18 +56,21 @@ def friction(
     fps, roi             of films; start_angle: their plate's inclination in the first frame
     """
     films: list[Tilted] = []
+    tables = [path for path in files if not is_film(path)]
+    refuse_without_films(files, {"--fps": fps, "--roi": roi, "--start-angle": start_angle})
     start = None if start_angle is None else measured_quantity(start_angle, "rad", "--start-angle")
+    if start is not None and start.sigma is not None and len(tables) < len(files):
+        what = replace(what, shared={**what.shared, _START: start.sigma})
 
     def seen(path: Path) -> dict[str, float]:
         from calibration.block.measure import Options, measure_tilt
 
-        known = None if start is None else Estimate(start.value, start.sigma or 0.0, 1)
+        known = None if start is None else Estimate(start.value, 0.0, 1)  # sigma: of all films
         films.append(measure_tilt(path, Options(fps, roi, known), progress))
         found = films[-1].found
-        return {"angle": found.value, _SIGMA: found.sigma or 0.0}
+        return {"angle": found.value, _SIGMA: found.sigma or 0.0, _START: 0.0}
 
-    tables = [path for path in files if not is_film(path)]
-    sections, remarks = rows(tables, INPUTS, what) if tables else ([], [])
+    sections, remarks = rows(tables, INPUTS, what, _CHOICES) if tables else ([], [])
     by_film = filmed([path for path in files if is_film(path)], seen, what)
     remarks += [f"{one.path.name}: {remark}" for one in films for remark in one.remarks]
     sections += by_film
@@ -64,6 +78,8 @@ def friction(
     if by_heights:
         formula = {"slope": "sin(alpha)", "base": "tan(alpha)"}[along]
         remarks.append(f"L lies along the {along}: {formula} = |H1 - H2|/L")
+    elif along == "base":
+        raise InputError("--length-along base: no trial has heights and a length; leave it out")
 
     remarks += _in_degrees_by_mistake(sections)
 
@@ -94,12 +110,12 @@ def _in_degrees_by_mistake(sections: Sequence[Section]) -> list[str]:
 
 
 def _by_heights(section: Section) -> bool:
-    return need(section, [["angle"], ["h1", "h2", "length"]], INPUTS) == 1
+    return need(section, _CHOICES, INPUTS) == 1
 
 
 def _friction(columns: Columns, along: str) -> float:
     if "angle" in columns:
-        angle = float(columns["angle"][0])
+        angle = float(columns["angle"][0]) + (float(columns[_START][0]) if _START in columns else 0)
     else:
         rise = abs(float(columns["h1"][0]) - float(columns["h2"][0]))
         length = float(columns["length"][0])

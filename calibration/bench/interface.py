@@ -18,14 +18,14 @@ INPUTS = (
     Input("dx_n", "m", "displacement across it"),
     Input("sigma_t", "Pa", "shear stress"),
     Input("sigma_n", "Pa", "normal stress"),
-    Input("kn", "N/m", "normal stiffness, a constant, where kt is wanted"),
+    Input("kn", "N/m", "normal stiffness, where kt is wanted; a constant, as a rule"),
 )
 _READ = [one.name for one in INPUTS[:4]]
 
 
 def stiffness_ratio(files: Sequence[str | Path], what: Request) -> list[Quantity]:
     """kt/kn, one row a marker; and kt where kn is given."""
-    sections, remarks = rows(files, INPUTS, what)
+    sections, remarks = rows(files, INPUTS, what, [_READ])
     for section in sections:
         need(section, [_READ], INPUTS)
 
@@ -33,7 +33,7 @@ def stiffness_ratio(files: Sequence[str | Path], what: Request) -> list[Quantity
         return Estimate(_ratio(columns).value * float(columns["kn"][0]), None, 1)
 
     results = [measure(sections, _ratio, what, key="kt_over_kn", name="kt/kn", remarks=remarks)]
-    if "kn" in what.constants:
+    if all("kn" in section.columns for section in sections):
         results.append(
             measure(
                 sections, kt, what,

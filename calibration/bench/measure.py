@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Evaluate = Callable[[Columns], Estimate]
+
+_ROUNDING = 1e-9  # share of a value, by which sums of floats change it
 
 _COARSE = (
     "the trials do not differ: their readings are too coarse for a sigma; give the resolution as "
@@ -62,6 +65,7 @@ class Quantity:
     pooled   over all trials, and by group; sigma with what instruments add
     trials   (name, group, value) of each
     shared   {input: how much its uncertainty, which all trials share, adds to sigma}
+    idle     inputs whose uncertainty, shared or of a reading, changes no trial
     """
 
     key: str
@@ -71,6 +75,7 @@ class Quantity:
     pooled: Pooled
     trials: tuple[tuple[str, str, Estimate], ...]
     shared: dict[str, float] = field(default_factory=dict)
+    idle: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
     details: dict[str, Any] = field(default_factory=dict)  # more of the method's own, for JSON
     curves: tuple[Curve, ...] = ()  # for the figure, with the names of
@@ -98,41 +103,86 @@ def measure(
     sections: Sequence[Section], evaluate: Evaluate, what: Request, *, key: str, name: str,
     si: str = "1", unit: str = "1", remarks: Sequence[str] = (),
 ) -> Quantity:  # fmt: skip
-    """Evaluate every trial, pool them by group and together, and add what instruments share."""
-    values = [_one(section, evaluate, what) for section in sections]
+    """Evaluate every trial, pool them by group and together, and add what instruments share.
+
+    Raises InputError for a trial that cannot be evaluated, and for the uncertainty of an input that
+    no trial has.
+    """
+    _refuse_unknown(sections, what)
+    values, idle = [], set(what.single) | set(what.shared)
+    for section in sections:
+        one_value, moved = _one(section, evaluate, what)
+        values.append(one_value)
+        idle -= moved
     found = _pooled(sections, values, bool(what.single))
     shared = {}
     for one, sigma in what.shared.items():
-        if all(one in section.columns for section in sections):
-            slopes = [_half_difference(section, evaluate, one, sigma) for section in sections]
-            if any(slopes):  # not an input that only another result of the method needs
-                found, shared[one] = _widened(found, sections, slopes)
+        slopes = []
+        for section in sections:
+            with located(f"{section.name}:"):
+                slopes.append(_half_difference(section, evaluate, one, sigma))
+        if any(slopes):  # not an input that only another result of the method needs
+            found, shared[one] = _widened(found, sections, slopes)
+            idle.discard(one)
     trials = tuple((s.name, s.group, v) for s, v in zip(sections, values, strict=True))
     alike = len(values) > 1 and found.all.scatter == 0 and found.all.sigma is None
     coarse = [_COARSE] if alike else []
-    return Quantity(key, name, si, unit, found, trials, shared, (*remarks, *coarse))
+    return Quantity(
+        key, name, si, unit, found, trials, shared, tuple(sorted(idle)), (*remarks, *coarse)
+    )
 
 
-def _one(section: Section, evaluate: Evaluate, what: Request) -> Estimate:
-    """One trial, its sigma that of its fit and of its readings."""
+def _refuse_unknown(sections: Sequence[Section], what: Request) -> None:
+    """InputError for an uncertainty of an input that stands in no table and is no constant."""
+    for option, sigmas in (("--instrument", what.shared), ("--reading", what.single)):
+        for name in sigmas:
+            if not any(name in section.columns for section in sections):
+                raise InputError(
+                    f"{option} {name}: no trial has {name}; there are "
+                    f"{', '.join(sections[0].columns)}: leave it out, or name the column"
+                )
+
+
+def _one(section: Section, evaluate: Evaluate, what: Request) -> tuple[Estimate, set[str]]:
+    """One trial, its sigma that of its fit and of its readings; the inputs whose readings count."""
+    moved = set()
     with located(f"{section.name}:"):
         found = evaluate(section.columns)
         variance = 0.0 if found.sigma is None else found.sigma**2
         for one, sigma in what.single.items():
-            if one in section.columns:
-                variance += _half_difference(section, evaluate, one, sigma) ** 2
+            if by := _half_difference(section, evaluate, one, sigma):
+                variance += by**2
+                moved.add(one)
     if not math.isfinite(found.value):
         raise InputError(f"{section.name}: gives no finite number")
-    return replace(found, sigma=math.sqrt(variance) if variance else found.sigma)
+    return replace(found, sigma=math.sqrt(variance) if variance else found.sigma), moved
 
 
 def _half_difference(section: Section, evaluate: Evaluate, name: str, sigma: float) -> float:
-    """Change of a trial by an input that is one sigma off: a central difference."""
-    high, low = (
-        evaluate(section.columns | {name: section.columns[name] + by}).value
-        for by in (sigma, -sigma)
-    )
-    return (high - low) / 2
+    """Change of a trial by an input that is one sigma off: a central difference.
+
+    To one side alone where the other is none that an input can have, such as a height below 0; 0
+    where the trial has no such input, and for a change of nothing but rounding. Raises InputError
+    where neither side can be.
+    """
+    if name not in section.columns:
+        return 0.0
+    moved: dict[int, float] = {}
+    for side in (1, -1):
+        with suppress(InputError):
+            columns = section.columns | {name: section.columns[name] + side * sigma}
+            moved[side] = evaluate(columns).value
+    if not moved:
+        raise InputError(
+            f"the uncertainty of {name}, {sigma:.3g} in SI, is as large as what is measured by it: "
+            "check its unit"
+        )
+    if len(moved) == 2:
+        change = (moved[1] - moved[-1]) / 2
+    else:
+        change = sum(side * (value - evaluate(section.columns).value)
+                     for side, value in moved.items())  # fmt: skip
+    return change if abs(change) > _ROUNDING * max(map(abs, moved.values())) else 0.0
 
 
 def _pooled(sections: Sequence[Section], values: Sequence[Estimate], read: bool) -> Pooled:
@@ -150,14 +200,14 @@ def _pooled(sections: Sequence[Section], values: Sequence[Estimate], read: bool)
     whole = values[0] if len(values) == 1 else found.all
     if not read:
         return Pooled(whole, alone, found.p)
-    known = {name: _no_better_than(ones, alone[name]) for name, ones in groups.items()}
+    known = {name: no_better_than(ones, alone[name]) for name, ones in groups.items()}
     each_once = found.alike is False
     return Pooled(
-        _no_better_than(list(known.values()) if each_once else values, whole), known, found.p
+        no_better_than(list(known.values()) if each_once else values, whole), known, found.p
     )
 
 
-def _no_better_than(ones: Sequence[Estimate], mean: Estimate) -> Estimate:
+def no_better_than(ones: Sequence[Estimate], mean: Estimate) -> Estimate:
     """The mean of these with at least the sigma that theirs give it.
 
     Trials that do not differ share the error of a reading that is too coarse to show it.

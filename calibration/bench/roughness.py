@@ -29,7 +29,7 @@ def mean_roughness(
     files: Sequence[str | Path], what: Request, *, trial: str | None = None, form: str = "line"
 ) -> list[Quantity]:
     """Ra, a path a trial."""
-    sections, remarks = curves(files, INPUTS, what, trial)
+    sections, remarks = curves(files, INPUTS, what, trial, [["x", "z"]])
     for section in sections:
         need(section, [["x", "z"]], INPUTS)
     remarks.append(f"form taken off: {form}")

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from calibration.files.tables import Table, read_table
 from calibration.statistics.quantity import measured_quantity
+from calibration.tracking.film.reader import is_film
 from granulab.contact.files.datafile import data_root, read_toml
 from granulab.contact.files.units import nearest, to_si
 from granulab.errors import InputError
@@ -107,28 +108,37 @@ def _sigma(text: str, unit: str, where: str) -> float:
 
 
 def rows(
-    files: Sequence[str | Path], inputs: Sequence[Input], what: Request
-) -> tuple[list[Section], list[str]]:
-    """Each row a trial; and remarks on rows that were left out."""
+    files: Sequence[str | Path], inputs: Sequence[Input], what: Request,
+    choices: Sequence[Sequence[str]] = (),
+) -> tuple[list[Section], list[str]]:  # fmt: skip
+    """Each row a trial; and remarks on rows that were left out.
+
+    choices    the sets of inputs that suffice, as `need` takes them: a row without a field of the
+               first set that any row has is left out [default: without any field]
+    """
     sections: list[Section] = []
     remarks: list[str] = []
-    for table, columns, kept in _tables(files, inputs, what, remarks):
+    for table, columns, kept in _tables(files, inputs, what, choices, remarks):
         groups = _labels(table, what.group, remarks)
         several = len(files) > 1
         for k in np.flatnonzero(kept):
             name = f"line {table.lines[k]}" + (f" of {table.path.name}" if several else "")
             one = {key: values[k : k + 1] for key, values in columns.items()}
             sections.append(Section(groups[k], name, one))
-    return _chosen(sections, what.only), remarks
+    return chosen(sections, what.only), remarks
 
 
 def curves(
-    files: Sequence[str | Path], inputs: Sequence[Input], what: Request, trial: str | None = None
-) -> tuple[list[Section], list[str]]:
-    """Each file a trial, or each value of its column `trial` (None: "trial", if there is one)."""
+    files: Sequence[str | Path], inputs: Sequence[Input], what: Request, trial: str | None = None,
+    choices: Sequence[Sequence[str]] = (),
+) -> tuple[list[Section], list[str]]:  # fmt: skip
+    """Each file a trial, or each value of its column `trial` (None: "trial", if there is one).
+
+    choices    as in `rows`
+    """
     sections: list[Section] = []
     remarks: list[str] = []
-    for table, columns, kept in _tables(files, inputs, what, remarks):
+    for table, columns, kept in _tables(files, inputs, what, choices, remarks):
         groups = _labels(table, what.group, remarks)
         if trial is not None or table.has("trial"):
             names = table.labels(trial or "trial")
@@ -136,11 +146,11 @@ def curves(
             names = (table.path.stem,) * len(groups)
         labels = list(zip(groups, names, strict=True))
         for label in dict.fromkeys(labels):
-            chosen = kept & np.array([one == label for one in labels])
-            if chosen.any():
-                one = {key: values[chosen] for key, values in columns.items()}
+            own = kept & np.array([one == label for one in labels])
+            if own.any():
+                one = {key: values[own] for key, values in columns.items()}
                 sections.append(Section(*label, one))
-    return _chosen(sections, what.only), remarks
+    return chosen(sections, what.only), remarks
 
 
 def filmed(
@@ -160,10 +170,18 @@ def filmed(
             columns = {key: np.atleast_1d(value) for key, value in measured(path).items()}
             constants = {key: np.array([value]) for key, value in what.constants.items()}
             sections.append(Section(group, path.name, columns | constants))
-    return _chosen(sections, what.only) if files else []
+    return chosen(sections, what.only) if files else []
 
 
-def _chosen(sections: list[Section], only: str | None) -> list[Section]:
+def refuse_without_films(files: Sequence[str | Path], options: Mapping[str, object]) -> None:
+    """InputError for options of films that are given where every file is a table."""
+    given = [name for name, value in options.items() if value is not None]
+    if given and files and not any(map(is_film, files)):
+        raise InputError(f"{files[0]}: a table; leave out what goes with films: {', '.join(given)}")
+
+
+def chosen(sections: list[Section], only: str | None) -> list[Section]:
+    """The trials of one group, None for all; InputError where there is no such group."""
     if only is None:
         return sections
     kept = [section for section in sections if section.group == only]
@@ -179,9 +197,10 @@ def _chosen(sections: list[Section], only: str | None) -> list[Section]:
 
 
 def _tables(
-    files: Sequence[str | Path], inputs: Sequence[Input], what: Request, remarks: list[str]
-) -> Iterator[tuple[Table, dict[str, NDArray[np.float64]], NDArray[np.bool_]]]:
-    """Each file's inputs as far as they are there, and which rows have them all."""
+    files: Sequence[str | Path], inputs: Sequence[Input], what: Request,
+    choices: Sequence[Sequence[str]], remarks: list[str],
+) -> Iterator[tuple[Table, dict[str, NDArray[np.float64]], NDArray[np.bool_]]]:  # fmt: skip
+    """Each file's inputs as far as they are there, and which rows have those that are needed."""
     _refuse_twice(files)
     for path in files:
         table = read_table(path).renamed(what.columns)
@@ -191,7 +210,7 @@ def _tables(
         for one in inputs:
             if one.name in what.constants:
                 columns[one.name] = np.full(n, what.constants[one.name])
-            elif (head := _head_of(one, table)) is not None:
+            elif (head := head_of(one, table)) is not None:
                 columns[one.name] = table.column(head, one.unit)
                 if head != one.name:
                     remarks.append(f"{path}: {one.name} is read from {head!r}")
@@ -201,19 +220,36 @@ def _tables(
                 f"{', '.join(table.texts)}; say which is which: --column '{inputs[0].name}=HEAD'"
             )
         _refuse_extremes(table, columns)
-        kept = np.ones(n, dtype=bool)
-        for values in columns.values():
-            kept &= np.isfinite(values)
+        needed = _needed(columns, choices)
+        kept = _whole(columns, needed)
         if not kept.any():
-            raise InputError(f"{path}: no row in which {', '.join(columns)} is there")
+            raise InputError(f"{path}: no row in which {', '.join(needed)} is there")
         if not kept.all():
             remarks.append(
                 f"{path}: {n - kept.sum()} of {n} rows left out: a field is empty or not finite"
             )
-        yield table, columns, kept
+        gaps = [name for name, values in columns.items() if not np.isfinite(values[kept]).all()]
+        remarks += [f"{path}: {name} is not used: it is empty in some rows" for name in gaps]
+        yield table, {key: one for key, one in columns.items() if key not in gaps}, kept
 
 
-def _head_of(one: Input, table: Table) -> str | None:
+def _needed(columns: Columns, choices: Sequence[Sequence[str]]) -> Sequence[str]:
+    """The first set of inputs that a row has whole; all columns where there is none."""
+    return next(
+        (
+            names for names in choices
+            if all(name in columns for name in names) and _whole(columns, names).any()
+        ),
+        list(columns),
+    )  # fmt: skip
+
+
+def _whole(columns: Columns, names: Sequence[str]) -> NDArray[np.bool_]:
+    """(n,) marks of the rows in which these inputs are there."""
+    return np.asarray(np.isfinite(np.stack([columns[name] for name in names])).all(axis=0))
+
+
+def head_of(one: Input, table: Table) -> str | None:
     """The head under which an input stands in a table; None where it does not."""
     if table.has(one.name, one.unit):
         return one.name

@@ -20,9 +20,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from calibration.bench.measure import Curve, Quantity, measure
-from calibration.bench.sections import Columns, Input, Request, Section, curves, filmed, need, rows
+from calibration.bench.sections import (
+    Columns,
+    Input,
+    Request,
+    Section,
+    curves,
+    filmed,
+    need,
+    refuse_without_films,
+    rows,
+)
 from calibration.block.way import fit_way, from_any, from_rest
-from calibration.statistics.uncertainty import Estimate
+from calibration.statistics.uncertainty import Estimate, student
 from calibration.tracking.film.reader import Progress, Region, is_film
 from granulab.contact.files.units import located
 from granulab.errors import InputError
@@ -47,6 +57,7 @@ Fit = tuple[NDArray[np.float64], NDArray[np.float64]]  # parameters, their covar
 
 _CURVE, _WAY = ["time", "velocity"], ["time", "position"]
 _TERMINAL = ["terminal_velocity", "incline", "friction"]
+_CHOICES = (_CURVE, _WAY, _TERMINAL)
 _SIGMA = "sigma of the incline"  # rad, of a film
 
 
@@ -94,18 +105,23 @@ def damping(
     fps, roi, scale    of films
     """
     films: list[Slid] = []
+    refuse_without_films(files, {"--fps": fps, "--roi": roi, "--scale": scale})
 
     def seen(path: Path) -> dict[str, float | NDArray[np.float64]]:
         from calibration.block.measure import Options, measure_slide
 
         films.append(measure_slide(path, Options(fps, roi), scale, progress))
         one = films[-1]
-        incline = {"incline": one.incline.value, _SIGMA: one.incline.sigma or 0.0}
-        return {"time": one.time, "position": one.way} | incline
+        found: dict[str, float | NDArray[np.float64]] = {
+            "time": one.time, "position": one.way, "incline": one.incline.value,
+        }  # fmt: skip
+        if "incline" in what.constants:  # which stands in place of the picture's, its sigma too
+            return found
+        return found | {_SIGMA: one.incline.sigma or 0.0}
 
     tables = [path for path in files if not is_film(path)]
-    sections, remarks = curves(tables, INPUTS, what, trial) if tables else ([], [])
-    if any(need(section, [_CURVE, _WAY, _TERMINAL], INPUTS) == 2 for section in sections):
+    sections, remarks = curves(tables, INPUTS, what, trial, _CHOICES) if tables else ([], [])
+    if any(need(section, _CHOICES, INPUTS) == 2 for section in sections):
         return [_from_terminal(files, what)]
     sections += filmed([path for path in files if is_film(path)], seen, what)
     remarks += [f"{one.path.name}: {remark}" for one in films for remark in one.remarks]
@@ -181,6 +197,7 @@ def _refuse_moving(section: Section) -> None:
 def fit(time: NDArray[np.float64], velocity: NDArray[np.float64], start: str) -> Fit:
     """(v0, gamma_t[, v_s]) of v(t) in (n,) s and m/s, and their covariance from the residuals.
 
+    Student's factor for few points is in it.
     Raises InputError where there are too few points, or nothing bends so that gamma_t is open.
     """
     from scipy.optimize import OptimizeWarning, curve_fit
@@ -202,7 +219,7 @@ def fit(time: NDArray[np.float64], velocity: NDArray[np.float64], start: str) ->
             f"the velocities over {span:g} s leave gamma_t open: they do not bend towards a "
             "terminal velocity; measure longer"
         )
-    return p, covariance
+    return p, student(len(time) - unknown) ** 2 * covariance
 
 
 def _from_rest(t: NDArray[np.float64], v0: float, gamma: float) -> NDArray[np.float64]:
@@ -238,7 +255,7 @@ def of_terminal_velocity(v0: float, incline: float, friction: float) -> float:
 
 
 def _from_terminal(files: Sequence[str | Path], what: Request) -> Quantity:
-    sections, remarks = rows(files, INPUTS, what)
+    sections, remarks = rows(files, INPUTS, what, _CHOICES)
 
     def gamma(columns: Columns) -> Estimate:
         v0, incline, friction = (float(columns[name][0]) for name in _TERMINAL)

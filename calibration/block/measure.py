@@ -77,7 +77,10 @@ def measure_tilt(path: str | Path, options: Options, progress: Progress | None =
     slip = first_slip(number[known], slipped[known])
     if slip is None:
         raise InputError(f"{film.path}: the block never slips down the plate: tilt it further")
-    angle, start = np.abs(angle), options.start_angle
+    # Downhill at the slip counts as positive: the camera's roll may have it negative before.
+    tilted = np.flatnonzero(np.isfinite(angle))
+    angle = angle * np.sign(angle[tilted[np.argmin(np.abs(number[tilted] - slip.time))]])
+    start = options.start_angle
     if start is not None:
         angle = angle - angle[0] + start.value
     found, noise = _inclination(number, angle, slip)

@@ -40,7 +40,8 @@ def command(
     from calibration.impacts.stopwatch import measure_stopwatch
     from calibration.statistics.quantity import measured_quantity
 
-    given = {"--rate": rate, "--column": column, "--window": window, "--drop-height": drop_height}
+    given = {"--rate": rate, "--column": column, "--window": window, "--drop-height": drop_height,
+             "--unit": units or None}  # fmt: skip
     spare = [name for name, value in given.items() if value is not None]
     timed = measure_stopwatch(file)
     if timed is not None and spare:

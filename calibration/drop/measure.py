@@ -69,13 +69,19 @@ def measure_drop(
         terminal = measured_quantity(terminal_speed, "m/s", "--terminal-speed")
     fps = said_rate(fps)
     film = open_film(source) if isinstance(source, str | Path) and is_film(source) else None
-    if film is None:
-        found = the_one_that_bounces(_tracks(source, units), track, one_bounce, where)
-    else:
+    if film is not None:
         refuse_units(film.path, units)
-        read = partial(_followed, film, roi, hint, progress)
-        found = _of_film(lambda overlapping: the_one_that_bounces(
-            read(overlapping), track, one_bounce, where))  # fmt: skip
+    elif roi is not None or hint is not None:
+        option = "--roi" if hint is None else "--at"
+        raise InputError(f"{where}{option} is of a film's pictures; this is a table")
+
+    def read(overlapping: bool) -> list[Track]:
+        if film is None:
+            return _tracks(source, units)
+        return _followed(film, roi, hint, progress, overlapping)
+
+    choose = partial(the_one_that_bounces, name=track, one_bounce=one_bounce, where=where)
+    found = _chosen(read, choose, film is not None, source, out)
     if length is not None and found.track.scale is not None:
         raise InputError(f"{where}--scale: the unit of y stands in the table's head already")
     length = found.track.scale if length is None else length
@@ -86,6 +92,32 @@ def measure_drop(
     if out is None:
         return drop
     return with_pictures(drop, source, Path(out), progress)
+
+
+def _chosen(
+    read: Callable[[bool], list[Track]], choose: Callable[[list[Track]], Bounces], filmed: bool,
+    source: str | Path | Track | Sequence[Track], out: str | Path | None,
+) -> Bounces:  # fmt: skip
+    """The bounces that the test is about; where there are none, what was seen is drawn.
+
+    read    all tracks, of a film also as of an object that overlaps itself
+    """
+    seen: list[Track] = []
+
+    def found(overlapping: bool) -> Bounces:
+        seen[:] = read(overlapping)
+        return choose(seen)
+
+    try:
+        return _of_film(found) if filmed else found(False)
+    except InputError as refusal:
+        if out is None or not seen:
+            raise
+        from calibration.drop.view.tracks import Refused
+
+        name = _name_of(source, seen[0])
+        sheet = draw(Refused(name, seen), Path(out) / f"drop-{name}.png")
+        raise InputError(f"{refusal}; {sheet} shows what was seen") from None
 
 
 def _metres(scale: str | float | None) -> float | None:
@@ -172,10 +204,7 @@ def with_pictures(
 
     Raises FolderError where they cannot be written.
     """
-    if not isinstance(source, str | Path):
-        drop = replace(drop, name=drop.bounces.track.name or "track")
-    else:
-        drop = replace(drop, name=_name(Path(source)))
+    drop = replace(drop, name=_name_of(source, drop.bounces.track))
     if isinstance(source, str | Path) and is_film(source):
         from calibration.drop.view.annotate import annotate
 
@@ -186,7 +215,10 @@ def with_pictures(
     return replace(drop, sheet=draw(drop, folder / f"drop-{drop.name}.png"))
 
 
-def _name(path: Path) -> str:
-    """A film's own name; of pictures "im*.png" that of their folder."""
+def _name_of(source: str | Path | Track | Sequence[Track], track: Track) -> str:
+    """A film's own name; of pictures "im*.png" that of their folder, of tracks that of one."""
+    if not isinstance(source, str | Path):
+        return track.name or "track"
+    path = Path(source)
     named = path.parent if is_pattern(path) else path
     return named.resolve().stem

@@ -13,7 +13,7 @@ import numpy as np
 
 from calibration.drop.bounce import STANDARD_GRAVITY, Bounces, find_bounces
 from calibration.drop.fall import tilt
-from calibration.tracking.segments import Stretch, noise, stretches
+from calibration.tracking.segments import Stretch, noise, speed, stretches
 from calibration.tracking.track import Array, Track
 from granulab.errors import InputError
 
@@ -23,6 +23,7 @@ _FEWEST = 8  # positions that show how something moves
 _ROOM = 10.0  # m across: a wider picture shows no laboratory
 _STRAIGHT = 0.02  # of the way: what a path may bend whose acceleration says nothing
 _STAYS = 0.05  # of the way: what moves less after it came down has no rebound to be seen
+_REBOUNDS = 0.3  # of the speed on one side of a contact: that on the other, in a bounce
 _NO_FALL = "nothing falls"  # the refusal of find_bounces to which there is something to add
 
 
@@ -94,6 +95,8 @@ def _words(track: Track, piece: Stretch) -> str:
     bent = math.hypot(*pull) * float(np.ptp(t)) ** 2 / 8  # sagitta of its path against time
     if math.hypot(*pull) < _SURE * sigma or bent < _STRAIGHT * math.hypot(*way):
         return _straight(track, speed, math.hypot(*pull) + _SURE * sigma)
+    if few := _too_few(track, piece):
+        return few
     if _turns(track, y, track.clock[rows].mean(), abs(way[1])):
         return (
             "it turns in the air, and meets no plate: it is thrown, or it swings (calibrate "
@@ -109,6 +112,31 @@ def _words(track: Track, piece: Stretch) -> str:
     if len(after) >= _FEWEST and np.ptp(after[len(after) // 2 :]) < _STAYS * abs(way[1]):
         return "it falls and stays where it lands: no rebound is seen"
     return "it falls and is not seen to come back: the film must show its rebounds"
+
+
+def _too_few(track: Track, piece: Stretch) -> str:
+    """Words on a bounce of which one side shows too few positions for a parabola; "" for none.
+
+    Next to the stretch the object moves the other way, in the steps that lead to the contact or
+    from it, by a good part of the speed that the stretch has there.
+    """
+    side = float(np.sign(piece.coefficients[2]))
+    step, y = float(np.median(np.diff(track.clock))), side * track.y
+    least = _SURE * noise(track.clock, track.y)
+    ends = (
+        ("fall", -speed(piece, piece.start), np.diff(y[: piece.i])[::-1]),
+        ("rebound", speed(piece, piece.end), -np.diff(y[piece.j :])),
+    )
+    for name, fast, steps in ends:
+        other = side * fast * step  # upwards as the stretch begins, downwards as it ends
+        along = steps > 0
+        n = len(along) if along.all() else int(np.argmin(along))
+        if other > 0 and 0 < n < _FEWEST - 1 and steps[0] > max(least, _REBOUNDS * other):
+            return (
+                f"it bounces, but its {name} shows too few positions ({n + 1}) for a parabola: "
+                "film at a higher rate or with a shorter exposure, or drop it from higher up"
+            )
+    return ""
 
 
 def _turns(track: Track, down: Array, middle: float, way: float) -> bool:

@@ -13,15 +13,24 @@ from calibration.bench.sections import Columns, Request, Section
 from calibration.drop.measure import measure_drop
 from calibration.drop.result import Drop
 from calibration.statistics.uncertainty import Estimate
-from calibration.tracking.film.reader import FILMS, Progress
+from calibration.tracking.film.reader import FILMS, PICTURES, Progress
 from granulab.errors import InputError
 
-_ENDINGS = (*FILMS, ".csv", ".txt", ".tsv", ".xlsx", ".xls", ".ods")
+_TABLES = (".csv", ".txt", ".tsv", ".xlsx", ".xls", ".ods")
+_ENDINGS = (*FILMS, *_TABLES)
 
 
 def is_folder_of_films(path: Path) -> bool:
-    """True for a folder that holds films or tracks, itself or in its folders."""
-    return path.is_dir() and any(one.suffix.lower() in FILMS for one in path.rglob("*"))
+    """True for a folder that holds films or tracks, itself or in its folders.
+
+    Tables next to pictures are notes on the film that these are.
+    """
+    if not path.is_dir():
+        return False
+    there = {one.suffix.lower() for one in path.rglob("*")}
+    return not there.isdisjoint(FILMS) or (
+        not there.isdisjoint(_TABLES) and there.isdisjoint(PICTURES)
+    )
 
 
 def films_of(sources: Sequence[Path]) -> list[tuple[Path, tuple[str, ...]]]:

@@ -14,6 +14,7 @@ _SPACED_FIELD = re.compile(r'"[^"]*"|\S+')
 _SEPARATOR_LINE = re.compile(r'"?sep=(?P<separator>.)"?')  # what Excel reads and writes on top
 _LOOKED_AT = 50  # lines at either end that show the separator
 _MISSING = ("", "nan", "na", "n/a", "null", "none")
+_NUMBER_HEAD = re.compile(r"#[;,\t]\s*[^;,\s]")  # a head whose first column is called #
 _SHEET_ERROR = re.compile(r"#(?:N/A|NV|[A-ZÄÖÜ0/]+[!?])")  # #DIV/0!, #WERT!: no value there
 
 
@@ -22,11 +23,10 @@ def rows(text: str, where: str) -> list[Row]:
 
     Raises InputError where there is no such line.
     """
-    lines = [
-        (number, line)
-        for number, line in enumerate(text.splitlines(), start=1)
-        if line.strip() and (line.lstrip()[0] != "#" or _SHEET_ERROR.match(line.lstrip()))
-    ]
+    numbered = [one for one in enumerate(text.splitlines(), start=1) if one[1].strip()]
+    lines = [one for one in numbered if not _is_remark(one[1])]
+    above = numbered[: numbered.index(lines[0])] if lines else []
+    lines = [one for one in above if _NUMBER_HEAD.match(one[1])][-1:] + lines
     said = _SEPARATOR_LINE.fullmatch(lines[0][1].strip()) if lines else None
     lines = lines[1:] if said else lines
     if not lines:
@@ -36,6 +36,11 @@ def rows(text: str, where: str) -> list[Row]:
     separator = said["separator"] if said else _separator(ends)
     read = [(number, _fields(line, separator, where, number)) for number, line in lines]
     return read if separator else _spaced_words(read, plain)
+
+
+def _is_remark(line: str) -> bool:
+    """True for a line that begins with # and no error of a spreadsheet."""
+    return line.lstrip()[0] == "#" and _SHEET_ERROR.match(line.lstrip()) is None
 
 
 def number(field: str) -> float | None:

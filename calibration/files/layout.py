@@ -121,8 +121,26 @@ def _parted(rows: Sequence[Row], counted: Sequence[int]) -> tuple[list[Row], lis
 
 def _label(fields: Sequence[str]) -> str:
     """The first word of a line."""
-    word = next((field for field in fields if field and number(field) is None), "")
+    return _plain(next((field for field in fields if field and number(field) is None), ""))
+
+
+def _plain(word: str) -> str:
     return word.strip(" :.=").lower()
+
+
+def is_made_of_others(label: str) -> bool:
+    """True for the label of a line that spreadsheets make of those above: "SD [mm]", "max:"."""
+    return _plain(name_and_unit(label)[0].rstrip("% ")) in _MEANS | _WITH_MEANS
+
+
+def is_slip(fields: Sequence[str]) -> bool:
+    """True if one of the fields of a line of numbers holds neither a number nor nothing.
+
+    A line of words alone is a note.
+    """
+    held = [field for field in fields if not is_missing(field)]
+    wrong = [field for field in held if number(field) is None]
+    return bool(wrong) and (len(wrong) < len(held) or any(map(_LIKE_A_NUMBER.match, wrong)))
 
 
 def _is_note(fields: Sequence[str], counted: Sequence[int]) -> bool:
@@ -145,10 +163,13 @@ def _head(
 
     if len(above) > 1 and _are_units(above[-1], above[-2]):
         return above[-2], above[-1], above[:-2]
-    for k in reversed(range(len(above))):
-        if filled(above[k]) >= counted:
-            return above[k], [], [*above[:k], *above[k + 1 :]]
-    return [], [], above
+    enough = [k for k, fields in enumerate(above) if filled(fields) >= counted]
+    if counted > 1 and not enough:  # pandas writes no name above its column of line numbers
+        enough = [k for k, one in enumerate(above) if not one[0] and filled(one) + 1 >= counted]
+    if not enough:
+        return [], [], above
+    k = enough[-1]
+    return above[k], [], [*above[:k], *above[k + 1 :]]
 
 
 def _are_units(fields: Sequence[str], names: Sequence[str]) -> bool:

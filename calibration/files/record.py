@@ -5,17 +5,23 @@ its measurement, called after section and key. A value that is replaced takes it
 `history` of the new one; `calibrate report` shows what fits the file as it stands.
 """
 
+import csv
+import io
 import json
 import math
 import sys
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from calibration.files.sheets import is_spreadsheet, sheets
+from calibration.files.tables import text_of
 from granulab.campaign.output.files import in_shell, write_atomic
 from granulab.campaign.runs.provenance import provenance
 from granulab.contact.material import Measured
+from granulab.errors import InputError
 
 PACKAGES = ["numpy", "scipy", "opencv-python-headless"]
 _MOST_TEXT = 200_000  # bytes of a table that is kept whole; of others name and size are
@@ -26,7 +32,8 @@ _CLOSE = 1e-9  # of a value: its digits in the file and in the record
 class Record:
     """Record of one value; see the head of this file.
 
-    raw       text of each file that was measured, by name; None of one that is no short text
+    raw       text of each file that was measured, by name (where two have the same, by path), of
+              a spreadsheet its sheets as CSV; None of one that is no short text
     figure    PNG of the measurement, where it has one
     """
 
@@ -64,7 +71,7 @@ def keep(
             command=command, seed=0, packages=PACKAGES, sources=[Path(__file__).parents[1]]
         ),
         "answers": answers,
-        "raw": {Path(file).name: _text(Path(file)) for file in files},
+        "raw": _raw(files),
         "history": history,
     }
     folder.mkdir(parents=True, exist_ok=True)
@@ -109,10 +116,28 @@ def _read(path: Path) -> dict[str, Any] | None:
     return read if isinstance(read, dict) else None
 
 
+def _raw(files: Sequence[str | Path]) -> dict[str, str | None]:
+    """Texts of files by name, by path as given where several have one name."""
+    times = Counter(Path(file).name for file in files)
+    return {
+        Path(file).name if times[Path(file).name] == 1 else str(file): _text(Path(file))
+        for file in files
+    }
+
+
 def _text(path: Path) -> str | None:
     try:
         if path.stat().st_size > _MOST_TEXT:
             return None
-        return path.read_text(encoding="utf-8")
-    except (OSError, ValueError):
+        return _as_csv(path) if is_spreadsheet(path) else text_of(path)
+    except (OSError, ValueError, InputError):
         return None
+
+
+def _as_csv(path: Path) -> str:
+    """All sheets of a spreadsheet as CSV, one below the other under their names."""
+    written = io.StringIO()
+    for name, lines in sheets(path).items():
+        written.write(f"# {name}\n")
+        csv.writer(written, lineterminator="\n").writerows(fields for _, fields in lines)
+    return written.getvalue()

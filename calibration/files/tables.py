@@ -6,7 +6,7 @@ lines and comments (#); words above the head and below the numbers. What a line 
 decided in calibration/files/dialect.py, what it is in calibration/files/layout.py.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -136,7 +136,7 @@ def rows_of(path: Path) -> tuple[list[dialect.Row], tuple[str, ...]]:
     """
     if is_spreadsheet(path):
         return best_sheet(path)
-    return dialect.rows(_text(path), str(path)), ()
+    return dialect.rows(text_of(path), str(path)), ()
 
 
 def read_table(path: str | Path) -> Table:
@@ -157,6 +157,8 @@ def read_table(path: str | Path) -> Table:
         for name, fields in texts.items()
         if (values := _all_numbers(fields, f"{path}: column {name!r}")) is not None
     }
+    if not is_spreadsheet(path):  # whose numbers have the reader's points
+        refuse_two_marks({name: texts[name] for name in columns}, str(path))
     lines = tuple(line for line, _ in found.rows)
     if not columns:
         raise InputError(f"{path}: no column of numbers{_slip(texts, lines)}")
@@ -184,7 +186,29 @@ def _all_numbers(fields: tuple[str, ...], where: str) -> NDArray[np.float64] | N
     return np.array(values, dtype=float)
 
 
-def _text(path: Path) -> str:
+def refuse_two_marks(fields_of: Mapping[str, Sequence[str]], where: str) -> None:
+    """InputError where a decimal comma stands in one column and a point in another: 1.250 is which?
+
+    fields_of   numbers as they are written, by column or by line
+    """
+    marked = {
+        mark: next(
+            ((name, field) for name, fields in fields_of.items() for field in fields
+             if mark in field and dialect.is_number(field)),
+            None,
+        )
+        for mark in ",."
+    }  # fmt: skip
+    comma, point = marked.values()
+    if comma is not None and point is not None:
+        raise InputError(
+            f"{where}: {comma[0]} = {comma[1]!r} has a decimal comma and {point[0]} = "
+            f"{point[1]!r} a point, which may mark thousands; write one decimal mark and no "
+            "thousands"
+        )
+
+
+def text_of(path: Path) -> str:
     """Text of a file, in UTF-8, UTF-16 with its mark, or the older code of Windows."""
     try:
         endless = path.is_char_device() or path.is_block_device()

@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from calibration.files.dialect import Row, name_and_unit, number
 from calibration.files.dialect import rows as lines_of
 from calibration.files.sheets import is_spreadsheet, sheets
+from calibration.files.tables import text_of
 from calibration.impacts.ratios import GRAVITY
 from calibration.impacts.sequence import bouncing
 from calibration.result import AsText, Parameter
@@ -239,9 +240,7 @@ def _columns_of(path: Path) -> Iterator[tuple[str, str, NDArray[np.float64]]]:
             for name, times in _throws_of(lines, str(path)):
                 yield f"{sheet.strip()}{name}", sheet.strip(), times
     elif _names_events(path):
-        for name, times in _throws_of(
-            lines_of(path.read_text(encoding="utf-8-sig"), str(path)), str(path)
-        ):
+        for name, times in _throws_of(lines_of(text_of(path), str(path)), str(path)):
             yield f"{path.stem}{name}", path.stem, times
 
 
@@ -249,9 +248,11 @@ def _names_events(path: Path) -> bool:
     """True for a text whose first line names events: other files are not read whole for it."""
     try:
         with path.open("rb") as file:
-            first = file.read(_FIRST_BYTES).decode("utf-8-sig").partition("\n")[0]
+            start = file.read(_FIRST_BYTES)
     except (OSError, ValueError):
         return False
+    wide = start.startswith((b"\xff\xfe", b"\xfe\xff"))
+    first = start.decode("utf-16" if wide else "utf-8", errors="replace").partition("\n")[0]
     return re.search(_EVENT.pattern, first, re.IGNORECASE) is not None
 
 

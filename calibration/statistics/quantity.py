@@ -20,6 +20,11 @@ def measured_quantity(text: str, unit: str, field: str) -> Measured:
         raise InputError(f"{field} = {text!r}: not a quantity; write such as '0.53 +- 0.02'")
     width = widths[0] if widths else None
     relative = width is not None and width.endswith("%")
+    if relative and written.endswith("%"):
+        raise InputError(
+            f"{field} = {text!r}: of a value in % it is open what the uncertainty is a share of; "
+            "write such as '0.53 +- 0.02'"
+        )
     if width is not None and not relative and is_plain_number(written) and unit != "1":
         number = re.match(r"[+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?", width)
         written += width[number.end() :] if number else ""

@@ -184,18 +184,37 @@ def flights(t: Array, y: Array) -> tuple[list[tuple[int, int]], float | None]:
             chains.append([one])
     best = max(chains, key=lambda chain: (len(chain), sum(one.duration for one in chain)))
     if len(best) == 2:
-        best = best + _short_flight(t, y, best, acceleration, sigma)
+        best = best + _short_flight(t, y, best, acceleration, sigma, sure=False)
+    elif len(best) == 1:
+        behind = _short_flight(t, y, best, acceleration, sigma, sure=True)
+        back = _reversed(best, len(t))
+        before = _short_flight(-t[::-1], y[::-1], back, acceleration, sigma, sure=True)
+        best = [*_reversed(before, len(t)), *best, *behind]
     ranges = [(one.i, one.j) for one in best]
     return _without_doubtful_ends(t, best, ranges, acceleration, sigma), acceleration
 
 
-def _short_flight(
-    t: Array, y: Array, chain: list[Stretch], acceleration: float, sigma: float
-) -> list[Stretch]:
-    """A third flight that is too short for a parabola of its own; in a list, empty without one.
+def _reversed(chain: list[Stretch], n: int) -> list[Stretch]:
+    """Stretches of n points, as they are where time goes backwards."""
+    back = np.array([1.0, -1.0, 1.0])
+    return [
+        Stretch(
+            n - one.j, n - one.i, -one.end, -one.start, -one.centre, back * one.coefficients,
+            one.acceleration_sigma,
+        )
+        for one in reversed(chain)
+    ]  # fmt: skip
 
-    Three points or more with the acceleration of the clip, within four of the sigma that the two
-    flights before show about it, which meet the last in a contact.
+
+def _short_flight(
+    t: Array, y: Array, chain: list[Stretch], acceleration: float, sigma: float, *, sure: bool
+) -> list[Stretch]:
+    """A further flight that is too short for a parabola of its own; in a list, empty without one.
+
+    Three points or more with the acceleration of the clip, within four of the sigma that the one or
+    two flights before show about it, which meet the last in a contact.
+
+    sure    their own acceleration is that of a flight, too: what rests after a fall is none
     """
     last, step = chain[-1], float(np.median(np.diff(t)))
     off = np.concatenate([_off(t, y, one) for one in chain])
@@ -203,10 +222,12 @@ def _short_flight(
     for i in range(last.j, min(last.j + 2, len(t))):  # a point may be within the contact
         found = []
         for j in range(i + _FEWEST - 1, len(t) + 1):
-            one = with_acceleration(t, y, _fitted(t, y, i, j, sigma), acceleration)
+            own = _fitted(t, y, i, j, sigma)
+            one = with_acceleration(t, y, own, acceleration)
             if np.abs(_off(t, y, one)).max() > allowed:
                 break
-            if _meets(last, one, acceleration, step):
+            known = not sure or is_flight(own, acceleration)
+            if known and _meets(last, one, acceleration, step):
                 found = [one]
         if found:
             return found

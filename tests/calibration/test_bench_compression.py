@@ -86,6 +86,23 @@ def test_sigma_of_a_slope_covers_the_truth_with_noise_in_either(x_noise, y_noise
     assert 0.60 <= covered <= 0.76
 
 
+@pytest.mark.parametrize("points", [4, 6])
+def test_sigma_of_a_slope_through_few_points_has_students_factor(points):
+    """68 +- 3 x 1.5 % of 1000 draws; without the factor 57 % of four points."""
+    rng = np.random.default_rng(points)
+    u = np.linspace(0, 1, points)
+    found = [line(u, u + rng.normal(0, 0.03, points)) for _ in range(1000)]
+    assert 0.63 <= np.mean([abs(one.value - 1) <= one.sigma for one in found]) <= 0.74
+
+
+def test_an_offset_of_a_whole_record_is_in_no_sigma_and_is_reported(tmp_path):
+    x, load = record(np.random.default_rng(5), 2.0, 3e-7)
+    table = write(tmp_path / "cube.csv", "displacement_mm;load_N", [1e3 * x, load])
+    one = calibrate("compression", table, "--reading", "load=50 N", "--json").json
+    said = one["unloading_stiffness_n_per_m"]["remarks"]
+    assert any("uncertainty of load is in no sigma" in words for words in said)
+
+
 def test_noise_in_both_does_not_flatten_the_slope():
     """Least squares of y(x) alone would give 11 % less: noise 0.1 against a spread of 0.30.
 
@@ -127,7 +144,8 @@ def test_one_specimen_has_the_scatter_of_its_cycles(tmp_path):
     x, load = record(np.random.default_rng(5), 2.0, 3e-7)
     table = write(tmp_path / "cube.csv", "displacement_mm;load_N", [1e3 * x, load])
     one = calibrate("compression", table, "--json").json["unloading_stiffness_n_per_m"]
-    assert one["trials"] == 5
+    assert one["trials"] == 1  # a specimen, however often it is loaded
+    assert any("5 cycles of one specimen" in words for words in one["remarks"])
     assert abs(one["value"] - STIFFNESS) < 3 * one["sigma"]
 
 

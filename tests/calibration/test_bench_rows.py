@@ -140,6 +140,28 @@ def test_shares_of_mass_and_volume_add_as_squares(tmp_path):
     assert found["density_kg_m3"]["sigma"] == pytest.approx(450 * math.hypot(0.01, 0.02), rel=1e-3)
 
 
+def test_a_column_that_the_method_does_not_use_leaves_no_row_out(tmp_path):
+    """Mass over a known volume: 0.5, 0.54, 0.56 g/cm3, whether a diameter is noted or not."""
+    table = write(
+        tmp_path / "t.csv", "mass_g;volume_cm3;diameter_mm",
+        [[5.0, 5.4, 5.6], [10, 10, 10], [20, "", ""]],
+    )  # fmt: skip
+    found = calibrate("density", table, "--json").json["density_kg_m3"]
+    assert found["trials"] == 3
+    assert found["value"] == pytest.approx(np.mean([500, 540, 560]), rel=1e-12)
+    assert any("diameter is not used" in words for words in found["remarks"])
+
+
+def test_a_column_of_kn_gives_kt(tmp_path):
+    """kt = kn sigma_t/sigma_n dx_n/dx_t = 3 x 1/2 x 2/3 N/mm."""
+    head = "dx_t_um;dx_n_um;sigma_t_MPa;sigma_n_MPa;kn_N_mm"
+    table = write(tmp_path / "t.csv", head, [[3], [2], [1], [2], [3]])
+    found = calibrate("interface", table, "--reading", "dx_t=3 um", "--json").json
+    assert found["kt_n_per_m"]["value"] == pytest.approx(1000, rel=1e-12)
+    # at dx_t + 3 um it is half: a displacement of 0 gives no ratio, and no second side
+    assert found["kt_n_per_m"]["sigma"] == pytest.approx(500, rel=1e-9)
+
+
 def test_a_merged_cell_names_all_trials_next_to_it(tmp_path):
     table = tmp_path / "t.csv"
     table.write_text("pairing,angle_deg\nA,20\n,21\n,22\nB,25\n,26\n,27\n")
@@ -185,6 +207,23 @@ def test_a_row_with_an_empty_field_is_left_out_and_reported(tmp_path):
         ("incline", "angle_deg", [20], ["--instrument", "angle=3"], "the unit is missing"),
         ("incline", "angle_deg", [20], ["--reading", "angle=-3 deg"], "is not negative"),
         ("incline", "angle_deg", [20], ["--column", "angle"], "write it as 'angle=...'"),
+        ("incline", "angle_deg", [20], ["--instrument", "h1=5 mm"], "no trial has h1"),
+        ("incline", "angle_deg", [20], ["--reading", "h1=5 mm"], "no trial has h1"),
+        (
+            "incline",
+            "angle_deg",
+            [20],
+            ["--start-angle", "5 deg"],
+            "with films: --start-angle",
+        ),
+        ("incline", "angle_deg", [20], ["--length-along", "base"], "no trial has heights"),
+        (
+            "slide",
+            "time_s;velocity_m_s",
+            [0, 0],
+            ["--scale", "1 mm/px"],
+            "with films: --scale",
+        ),
         ("incline", "h1_mm;h2_mm;length_mm", [9, 0, 8], [], "no slope"),
         ("interface", "dx_t_mm;dx_n_mm;sigma_t_MPa;sigma_n_MPa", [0, 1, 1, 1], [], "may be 0"),
         ("density", "mass_g;volume_cm3", [1, 0], [], "both are above 0"),

@@ -46,6 +46,17 @@ def test_sigma_of_gamma_covers_the_truth_in_68_percent(start, noise):
     assert abs(gamma.mean() - GAMMA) < 0.25 * sigma.mean()
 
 
+@pytest.mark.parametrize("points", [6, 8])
+def test_sigma_of_gamma_of_few_points_has_students_factor(points):
+    """68 +- 3 x 2.3 % of 400 curves; without the factor 60 %."""
+    rng = np.random.default_rng(points)
+    time = np.linspace(0.1, 2, points)
+    clean = V0 * (1 - np.exp(-GAMMA * time))
+    found = [fit(time, clean + rng.normal(0, 0.004, points), "rest") for _ in range(400)]
+    covered = [abs(p[1] - GAMMA) <= math.sqrt(covariance[1, 1]) for p, covariance in found]
+    assert 0.61 <= np.mean(covered) <= 0.75
+
+
 def test_friction_while_sliding_comes_from_the_curve_and_the_slope(tmp_path):
     """tan(theta) - gamma_t v0/(g cos theta); 0.4 went in. Files are trials; both are alike."""
     driving = GRAVITY * (math.sin(math.pi / 6) - 0.4 * math.cos(math.pi / 6))

@@ -3,6 +3,7 @@
 import math
 import tomllib
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from calibration.bench.sections import Request, filmed
 from calibration.bench.slide import GRAVITY
 from calibration.block.slip import first_slip
 from calibration.block.way import fit_way, from_any, from_rest
+from calibration.methods import measure_incline, measure_slide
 from calibration.rendered.block import (
     BlockScene,
     Made,
@@ -23,6 +25,7 @@ from calibration.rendered.block import (
     tilt_by_chance,
 )
 from calibration.rendered.camera import Camera
+from calibration.statistics.uncertainty import Estimate
 from granulab.errors import InputError
 
 SMALL = (300, 220)
@@ -131,6 +134,57 @@ def test_films_in_several_folders_are_groups_by_their_names(tmp_path):
     assert [one.name for one in only] == ["0.mp4", "1.mp4"]
     with pytest.raises(InputError, match="given twice"):
         filmed([files[0], files[0]], lambda path: seen, Request())
+
+
+def test_a_plate_that_starts_past_the_rows_of_a_rolled_camera_tilts_from_its_start(tmp_path):
+    """Level at first and rolled by -1 deg: the picture's inclination goes through 0, its own not.
+
+    Counted by its size the first degree would be lost twice: 14.7 deg for the 16.7 that it is.
+    """
+    tilt = replace(TILT, start=0.0, rate=16.0)
+    made = Made(replace(SCENE, roll=-1.0), tilt, CAMERA, tilt.slip + 0.4)
+    path, truth = film(tmp_path, made, "rolled"), math.atan(TILT.friction)
+    found = calibrate("incline", path, "--json", "--quiet", "--start-angle", "0 deg").json
+    one = found["angle_of_repose_rad"]
+    assert abs(one["value"] - truth) < math.radians(0.5)
+
+
+def test_what_a_level_is_off_is_in_the_mean_of_all_films(tmp_path, monkeypatch):
+    """0.5 deg that four films share are 0.5 deg of their mean; of a table's trial none."""
+    found = iter(np.radians([20.0, 20.1, 19.9, 20.0]))
+
+    def measured(path, options, progress):
+        own = Estimate(next(found), 1e-3, 1)
+        return SimpleNamespace(found=own, remarks=(), path=path, to_dict=dict)
+
+    monkeypatch.setattr("calibration.block.measure.measure_tilt", measured)
+    start = "0 deg +- 0.5 deg"
+    _, angle = measure_incline(
+        [tmp_path / f"{k}.mp4" for k in range(4)], start_angle=start
+    ).quantities
+    whole = angle.pooled.all
+    assert angle.shared["--start-angle"] == pytest.approx(math.radians(0.5), rel=1e-9)
+    assert math.degrees(whole.sigma) == pytest.approx(0.5, rel=0.02)
+
+
+def test_a_known_incline_stands_in_place_of_the_pictures(tmp_path, monkeypatch):
+    """Its sigma, too: whatever that of the picture's edge is, mu has the one that is given."""
+    t = np.linspace(0, 1.5, 60)
+    way = from_rest(t, 0.43, 3.0, 0.1, 0.0) + np.random.default_rng(1).normal(0, 1e-6, 60)
+
+    def measured(sigma):
+        return lambda path, options, scale, progress: SimpleNamespace(
+            time=t, way=way, incline=Estimate(0.6, sigma, 1), remarks=(), path=path, to_dict=dict
+        )
+
+    sigmas = []
+    for sigma in (1e-9, 0.1):
+        monkeypatch.setattr("calibration.block.measure.measure_slide", measured(sigma))
+        found = measure_slide(
+            tmp_path / "a.mp4", scale="1 mm/px", constants={"incline": "30 deg +- 0.5 deg"}
+        )
+        sigmas.append(found.quantities[2].pooled.all.sigma)
+    assert sigmas[0] == sigmas[1]
 
 
 def test_a_rolled_camera_is_taken_off_by_the_angle_in_the_first_frame(tmp_path):

@@ -223,3 +223,30 @@ def test_any_path_is_measured_or_refused(pieces, size):
     assert np.all(np.isfinite(found.velocities))
     assert np.all(found.velocities[:, 0] > 0)
     assert np.isfinite(found.pooled.value)
+
+
+def few_positions(shown, noise):
+    """A track of `shown` positions of a fall, a contact, and the whole flight of 0.85 behind it.
+
+    At 30 frames/s and 1.2 mm/px; noise [px]. At most four make no parabola of their own.
+    """
+    g, e = 9.80665 / 30**2 / 1.2e-3, 0.85  # px/frame2
+    speed = np.sqrt(2 * g * 500)
+    s = np.arange(-shown, int(2 * e * speed / g) - 1) + 0.7  # from the contact
+    y = np.where(s < 0, 500 + speed * s + g * s**2 / 2, 500 - e * speed * s + g * s**2 / 2)
+    y = y + np.random.default_rng(shown).normal(0, noise, len(s))
+    return Track(np.arange(len(s), dtype=float), np.full(len(s), 50.0), y, name="ball")
+
+
+def test_a_fall_of_three_positions_is_named_and_drawn(tmp_path):
+    """It is not thrown, and does not fall out of the picture."""
+    words = r"its fall shows too few positions \(3\).*drop-ball.png shows what was seen"
+    with pytest.raises(InputError, match=words):
+        measure_drop(few_positions(3, 1.0), fps=30, one_bounce=True, out=tmp_path)
+    assert (tmp_path / "drop-ball.png").stat().st_size > 10_000
+
+
+def test_a_fall_of_four_positions_before_a_whole_flight_is_one():
+    """It has the acceleration of the flight, and meets it in a contact."""
+    found = measure_drop(few_positions(4, 0.3), fps=30, one_bounce=True).restitution
+    assert abs(found.value - 0.85) < 3 * found.sigma < 0.1

@@ -200,7 +200,18 @@ def test_quantities_with_uncertainty(text, unit, value, sigma):
 
 
 @pytest.mark.parametrize(
-    "text", ["", "+-", "1 g +-", "1 g +- 2 g +- 3 g", "1 +- 2", "1 g +- -2 g", "1 g +- 2 mm", "g"]
+    "text",
+    [
+        "",
+        "+-",
+        "1 g +-",
+        "1 g +- 2 g +- 3 g",
+        "1 +- 2",
+        "1 g +- -2 g",
+        "1 g +- 2 mm",
+        "g",
+        "53 % +- 2 %",
+    ],
 )
 def test_what_is_no_quantity_is_refused(text):
     with pytest.raises(InputError, match="x"):

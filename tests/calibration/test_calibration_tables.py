@@ -161,6 +161,14 @@ def test_a_head_and_labels_stand_between_spaces(tmp_path):
     assert (table.units["angle"], table.labels("pairing")) == ("deg", ("A", "B"))
 
 
+@pytest.mark.parametrize("head", [",angle [deg]", "#,angle [deg]", "# by hand\n#,angle [deg]"])
+def test_a_column_of_line_numbers_needs_no_name(tmp_path, head):
+    """As pandas writes its index; a # in front of a separator names a column, and is no remark."""
+    table = table_of(tmp_path, f"{head}\n# a remark\n0,20.8\n1,21.3\n")
+    assert list(table.columns["angle"]) == [20.8, 21.3]
+    assert table.units["angle"] == "deg"
+
+
 def test_what_else_spreadsheets_write(tmp_path):
     table = table_of(tmp_path, "sep=,\na,b\n1,2\n3,4\n")  # Excel's own line
     assert list(table.columns) == ["a", "b"]
@@ -200,6 +208,8 @@ def test_parts_of_a_head():
         ("time [ms];load [N]\n1.5,2\n2.5,3\n", "line 1, .* does not name them; write a line of"),
         ("a;b\n20.8°;c\n", "no column of numbers; line 2: a = '20.8°' is no number"),
         ("a;b\n1,5;2\n2.5;3\n", "decimal commas and decimal points"),
+        ("a;b\n0,5;1.250\n0,6;1.500\n", "a = '0,5' has a decimal comma and b = '1.250' a point"),
+        ("a;b\n0.5;1,250\n0.6;1,500\n", "b = '1,250' has a decimal comma and a = '0.5' a point"),
         (b"RIFF\x00\x01\x02", "not a text file"),
     ],
 )

@@ -120,6 +120,8 @@ def test_two_objects_that_bounce_are_distinguished_by_name(tmp_path):
         (["--scale", "0.8 s/px"], "the unit is wrong"),
         (["--scale", "-1 mm/px"], "must be positive"),
         (["--track", "9"], "no track '9'"),
+        (["--roi", "0,0,9,9"], "--roi is of a film's pictures"),
+        (["--at", "0,1,2"], "--at is of a film's pictures"),
     ],
 )
 def test_bad_options_are_refused_in_one_line(tmp_path, options, words):
@@ -141,6 +143,14 @@ def test_no_film_and_a_single_bounce_are_refused_in_one_line(tmp_path):
         assert words in err
         assert err.count("\n") == 1
     assert calibrate("drop", once, "--one-bounce")[0] == 0
+
+
+def test_a_folder_of_track_tables_is_a_test_of_several_trials(tmp_path):
+    for k in range(2):
+        write(tmp_path / f"{k}.csv", made_track([0.7] * 4, seed=k).track)
+    found = json.loads(calibrate("drop", tmp_path, "--json")[1])["restitution"]
+    assert found["trials"] == 2
+    assert found["value"] == pytest.approx(0.7, abs=0.01)
 
 
 @needs_media

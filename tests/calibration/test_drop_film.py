@@ -223,7 +223,7 @@ def test_options_that_cannot_be_are_refused(tmp_path, still_and_ball, arguments,
 
 @pytest.fixture(scope="module")
 def still_and_ball(tmp_path_factory):
-    return filmed(tmp_path_factory.mktemp("film") / "ball.mp4", duration=0.35)[0]
+    return filmed(tmp_path_factory.mktemp("film") / "ball.mp4", duration=0.3)[0]
 
 
 def test_a_film_in_which_nothing_moves_is_refused(tmp_path, capfd):

@@ -113,9 +113,104 @@ def test_rebounds_read_by_eye_agree_with_what_others_found():
     assert found["restitution"]["constant_within_noise"] is False
 
 
+PARTICLES = "H0 [mm];650;450;250\nA;500;330;180\nA;505;335;182\n"
+OTHERS = "B;300;200;110\nB;310;205;112\n"
+
+
+@pytest.mark.parametrize(
+    "below",
+    [
+        "Mittelwert;502,5;332,5;181\nStandardabweichung;3,5;3,5;1,4\n", "std [mm];4;4;1\n",
+        "mean;502;332;181\nSD;4;4;1\n", "n;2;2;2\n", "max:;505;335;182\n", "Notes: by hand\n",
+    ],
+)  # fmt: skip
+def test_what_is_made_of_the_trials_above_it_is_no_trial(tmp_path, below):
+    """The mean of the six trials alone; a standard deviation of 4 mm would be an e of 0.08."""
+    alone = heights(tmp_path, PARTICLES)["restitution"]
+    found = heights(tmp_path, PARTICLES + below)["restitution"]
+    assert found["value"] == alone["value"]
+    assert found["trials"] == 6
+    assert sum("left out, a note or made" in one for one in found["remarks"]) == below.count("\n")
+
+
+def test_only_one_particle_of_a_line_of_heights_is_evaluated(tmp_path):
+    alone = heights(tmp_path, PARTICLES)["restitution"]
+    found = heights(tmp_path, PARTICLES + OTHERS, "--only", "A")["restitution"]
+    assert (found["value"], found["trials"]) == (alone["value"], 6)
+
+
+def test_labels_that_differ_in_a_number_alone_are_trials(tmp_path):
+    """As numbers alone are. Of ten particles of a trial each sigma would be 3.7 times smaller."""
+    rows = "500;330;180\n", "505;335;182\n", "495;334;181\n"
+    head = "H0 [mm];650;450;250\n"
+    plain, named, apart = (
+        heights(tmp_path, head + "".join(f"{name}{k};{row}" for k, row in enumerate(rows, 1)))
+        for name in ("", "trial ", "particle ")
+    )
+    assert named["restitution"]["sigma"] == plain["restitution"]["sigma"]
+    assert any("of one particle" in words for words in named["restitution"]["remarks"])
+    assert any("each label is a particle" in one for one in apart["restitution"]["remarks"])
+
+
+@pytest.mark.parametrize(
+    "head", ["sd [%]", "std [%]", "SD %", "sd_percent", "Standardabweichung [%]"]
+)
+def test_a_standard_deviation_in_per_cent_is_one_of_the_mean(tmp_path, head):
+    """17 % of 0.53 are 0.0901."""
+    found = heights(tmp_path, f"H0 [mm];mean;{head};n\n650;0.53;17;10\n")["restitution"]
+    assert found["scatter"] == pytest.approx(0.17 * 0.53, rel=1e-12)
+
+
+def test_columns_of_a_summary_leave_no_trial_out(tmp_path):
+    """Mean and SD that a spreadsheet has in the first row are not of that row."""
+    rows = [180, 190, 200, 185, 210]
+    text = "H0 [mm];H1 [mm];mean;SD\n" + "".join(
+        f"500;{h};{'0.62;0.02' if h == 180 else ';'}\n" for h in rows
+    )
+    found = heights(tmp_path, text)["restitution"]
+    assert found["trials"] == 5
+    assert found["value"] == pytest.approx(np.mean([math.sqrt(h / 500) for h in rows]))
+
+
+def test_a_mean_over_particles_is_no_better_known_than_by_its_readings(tmp_path):
+    """Like trials share the error of their reading, de = e/2 (2 mm/H1); six cells of it."""
+    text = "particle;H0 [mm];H1 [mm]\n" + "".join(
+        f"{name};{h0};{h1}\n" * 3 for name in "ABC" for h0, h1 in ((50, 12), (30, 8))
+    )
+    found = heights(tmp_path, text, "--reading", "h1=2 mm")["restitution"]
+    each = [math.sqrt(h1 / h0) / h1 for h0, h1 in ((50, 12), (30, 8))]
+    assert found["sigma"] == pytest.approx(math.sqrt(3 * sum(e**2 for e in each)) / 6, rel=0.01)
+
+
+def test_a_reading_as_large_as_what_it_reads_moves_it_to_one_side(tmp_path):
+    """(sqrt(81) - sqrt(0))/sqrt(100) of H1 = 0: 1 mm more makes it less by sqrt(1)/10."""
+    text = "H0 [mm];H1 [mm];H2 [mm]\n100;0;81\n"
+    found = heights(tmp_path, text, "--reading", "h1=1 mm")["restitution"]
+    assert found["sigma"] == pytest.approx(0.1, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "words"),
+    [
+        (PARTICLES, ("--group", "H0"), ["line of drop heights", "--group does not go with it"]),
+        (PARTICLES, ("--only", "C"), ["--only C"]),
+        (TABLE_3, ("--reading", "mean=0.2"), ["do not go with means"]),
+        (TABLE_3, ("--constant", "trials=3 +- 1"), ["do not go with means"]),
+        ("H0 [mm];H1 [mm]\n50;32\n", ("--instrument", "h2=1 mm"), ["no trial has h2"]),
+    ],
+)  # fmt: skip
+def test_options_that_a_table_has_no_use_for_are_refused(tmp_path, text, options, words):
+    path = tmp_path / "t.csv"
+    path.write_text(text)
+    assert_refused(calibrate("heights", path, *options), *words)
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
+        (PARTICLES + "A;5O5;330;180\n", ["line 4", "'5O5' is no number"]),
+        (PARTICLES + "A;1.250,5;330,5;180\n", ["'1.250,5' is no number"]),
+        (PARTICLES + "A;501,5;330.5;180\n", ["decimal comma", "thousands"]),
         ("H0 [cm],H1 [cm]\n32,50\n", ["H1 = 500 mm is above H0 = 320 mm", "swapped"]),
         ("H0 [cm],H1 [cm]\n32,-5\n", ["H1 = -50 mm", "above 0"]),
         ("H0,H1\n32,5\n", ["the unit is missing", "[m]"]),

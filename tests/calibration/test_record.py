@@ -4,6 +4,7 @@ import base64
 import json
 import re
 
+import pandas as pd
 import pytest
 from calibrating import calibrate
 
@@ -28,6 +29,22 @@ def test_the_record_keeps_answers_raw_data_and_figure(measured):
     assert kept["answers"]["friction"]["value"] == kept["value"]
     assert kept["provenance"]["command"][0] == "calibrate"
     assert (folder / "pair.wood-steel.friction.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_raw_data_are_kept_of_files_with_one_name_of_spreadsheets_and_of_older_codes(tmp_path):
+    tables = [tmp_path / name / "run.csv" for name in "AB"]
+    for k, table in enumerate(tables):
+        table.parent.mkdir()
+        table.write_bytes(f"angle [°]\n2{k}\n2{k}.5\n".encode(("cp1252", "utf-16")[k]))
+    book = tmp_path / "tilt.xlsx"
+    pd.DataFrame({"angle [deg]": [20.0, 21.0]}).to_excel(book, index=False)
+    into = tmp_path / "m.toml"
+    calibrate("incline", *tables, book, "--into", into, "--pair", "wood-steel")
+    kept = json.loads((into.with_suffix(".record") / "pair.wood-steel.friction.json").read_text())
+    assert [kept["raw"][str(table)][:14] for table in tables] == [
+        "angle [°]\n20\n2", "angle [°]\n21\n2",
+    ]  # fmt: skip
+    assert kept["raw"]["tilt.xlsx"] == "# Sheet1\nangle [deg]\n20\n21\n"
 
 
 def test_the_page_shows_what_a_reviewer_would_ask(measured, tmp_path):

@@ -54,6 +54,16 @@ def test_a_throw_without_air_gives_its_restitution(tmp_path):
     assert found.found.all.value == pytest.approx(0.8, abs=1e-7)
 
 
+@pytest.mark.parametrize("encoding", ["cp1252", "utf-16", "utf-8-sig"])
+def test_a_note_in_any_code_behind_the_times_changes_nothing(tmp_path, encoding):
+    """Far behind the first lines, by which the file is known as a stopwatch's."""
+    path = written(tmp_path / "t.csv", throw(0.8, 8))
+    note = ",".join([""] * 5000) + ",Müller"
+    path.write_bytes(f"{path.read_text()}\n{note}\n".encode(encoding))
+    found = measure_stopwatch(path)
+    assert found.found.all.value == pytest.approx(0.8, abs=1e-7)
+
+
 def test_drag_is_found_and_taken_out(tmp_path):
     """A ping-pong ball (8 m/s) of 0.93. The next order of the drag term is (u/w)^4/6 = 1e-3."""
     rng = np.random.default_rng(3)
@@ -140,6 +150,7 @@ def test_sheets_with_several_throws_are_pooled_by_sheet(tmp_path):
 def test_options_of_a_signal_do_not_go_with_a_stopwatch(tmp_path):
     path = written(tmp_path / "t.csv", throw(0.8, 6))
     assert_refused(calibrate("impacts", path, "--rate", "1000"), "--rate", "times of events")
+    assert_refused(calibrate("impacts", path, "--unit", "time=ms"), "--unit", "times of events")
     short = written(tmp_path / "s.csv", throw(0.8, 3))
     assert_refused(calibrate("impacts", short), "no throw", "shrink")
     mixed = tmp_path / "m.csv"

@@ -184,7 +184,7 @@ CASES = {
         row_by_row(l, t, replace(SCENE, shadow=0.0))),
     "lamps in bands": Case(camera=replace(CAMERA, rate=120), paint=bands),
     "fan next to it": Case(paint=fan),
-    "person walks behind": Case(paint=person, truth=None, said="nothing falls"),
+    "person walks behind": Case(paint=person, truth=None, said="one bounce"),
     "time written into the picture": Case(taken=clock),
     "caught after three bounces": Case(paint=caught),
     "carried back and dropped again": Case(camera=replace(CAMERA, rate=60), duration=3.0,

@@ -22,13 +22,14 @@ Picture = NDArray[np.uint8]
 One = TypeVar("One")
 Progress = Callable[[float, str], None]  # share of a film that is read, and a few words
 
-_PICTURES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
+PICTURES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
 FILMS = (".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".webm", ".wmv")
 
 # What is wrong with a file is reported in our own lines; FFmpeg reads this when it is first used.
 os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
 
-_BOOKS = (b"PK", b"\xd0\xcf\x11\xe0")  # with which spreadsheets begin
+# With which spreadsheets and texts in UTF-16 begin, where no zero byte says that it is a film.
+_NO_FILMS = (b"PK", b"\xd0\xcf\x11\xe0", b"\xff\xfe", b"\xfe\xff")
 _AHEAD = 4  # frames decoded before their use: 25 MB of 1920 x 1080 px
 _BAD_IN_A_ROW = 1000  # frames that may be missing before a film is taken to end
 # A second is what falls, swings and discharges last: it takes frames. Cameras reach a million.
@@ -165,7 +166,7 @@ def open_film(path: str | Path) -> Film:
         return _open_pictures(path)
     if not path.is_file():
         raise InputError(f"{path}: no such file; a film, a folder of pictures, or 'im*.png'")
-    if path.suffix.lower() in _PICTURES:
+    if path.suffix.lower() in PICTURES:
         raise InputError(f"{path}: one picture is no film; name its folder, or a pattern 'im*.png'")
     return _open_video(path)
 
@@ -173,7 +174,7 @@ def open_film(path: str | Path) -> Film:
 def open_picture(path: str | Path) -> Film | None:
     """One picture as a film of one frame; None for what is none. InputError if it is unreadable."""
     path = Path(path)
-    if path.suffix.lower() not in _PICTURES or not path.is_file() or is_pattern(path):
+    if path.suffix.lower() not in PICTURES or not path.is_file() or is_pattern(path):
         return None
     picture = _picture(path)
     if picture is None:
@@ -187,13 +188,13 @@ def is_film(path: str | Path) -> bool:
     path = Path(path)
     if path.is_dir() or is_pattern(path):
         return True
-    if path.suffix.lower() in _PICTURES + FILMS:
+    if path.suffix.lower() in PICTURES + FILMS:
         return True
     if not path.is_file():
         return False
     with path.open("rb") as file:
         start = file.read(4096)
-    return b"\0" in start and not start.startswith(_BOOKS)
+    return b"\0" in start and not start.startswith(_NO_FILMS)
 
 
 def is_pattern(path: Path) -> bool:
@@ -219,7 +220,7 @@ def _open_video(path: Path) -> Film:
 
 def _open_pictures(path: Path) -> Film:
     names = path.iterdir() if path.is_dir() else path.parent.glob(path.name)
-    found = sorted((p for p in names if p.suffix.lower() in _PICTURES), key=_natural)
+    found = sorted((p for p in names if p.suffix.lower() in PICTURES), key=_natural)
     if len(found) < 2:
         raise InputError(f"{path}: {len(found)} pictures; a film has more than one")
     first = next((p for p in map(_picture, found) if p is not None), None)
