@@ -64,9 +64,7 @@ def measure_drop(
     """
     where = f"{source}: " if isinstance(source, str | Path) else ""
     length = _metres(scale)
-    terminal = None
-    if terminal_speed is not None:
-        terminal = measured_quantity(terminal_speed, "m/s", "--terminal-speed")
+    terminal = _speed(terminal_speed)
     fps = said_rate(fps)
     film = open_film(source) if isinstance(source, str | Path) and is_film(source) else None
     if film is not None:
@@ -92,6 +90,10 @@ def measure_drop(
     if out is None:
         return drop
     return with_pictures(drop, source, Path(out), progress)
+
+
+def _speed(text: str | None) -> Measured | None:
+    return None if text is None else measured_quantity(text, "m/s", "--terminal-speed")
 
 
 def _chosen(
