@@ -39,6 +39,7 @@ from damper3d.case.parameters import (
 )
 from damper3d.case.parts import (
     GRAVITY,
+    amplitude_of,
     cavity_copy,
     check_enclosure,
     check_protocol,
@@ -319,7 +320,7 @@ class DamperCase:
         if self.peaks is not None:
             return self.peaks.displacement
         motion = self.settings.motion
-        return motion.gamma * GRAVITY / (2.0 * math.pi * motion.frequency) ** 2
+        return amplitude_of(motion.gamma, motion.frequency)
 
     @property
     def peak_speed(self) -> float:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from damper3d.case.host.modes import given
 from damper3d.case.oscillation import DEEPEST
@@ -30,6 +31,17 @@ USUAL_FILL_RATIO = 7 / 15
 SHAPED_CYCLES = 18  # of which 3 are left out: chapter 8 of the thesis, of all its particles
 
 _Shaped = TypeVar("_Shaped", Particles, Kind)
+_Number = TypeVar("_Number", float, NDArray[np.float64])
+
+
+def amplitude_of(gamma: _Number, frequency: _Number) -> _Number:
+    """Amplitude [m] of a motion of Gamma at a frequency [Hz], Gamma g / omega^2 (eq. 6.2)."""
+    return gamma * GRAVITY / (2.0 * math.pi * frequency) ** 2
+
+
+def gamma_at(amplitude: _Number, frequency: _Number) -> _Number:
+    """Gamma of a motion of an amplitude [m] at a frequency [Hz]."""
+    return amplitude * (2.0 * math.pi * frequency) ** 2 / GRAVITY
 
 
 def enclosure_of(settings: Settings, where: str, folder: Path) -> Enclosure:

@@ -12,8 +12,9 @@ from small_damper import damper3d
 from small_silo import DRY
 
 from damper3d.case.case import DamperCase
+from damper3d.case.level import level_of, volume_below, walls_along
 from damper3d.engine.enclosures import Cells, Frustum, HexagonalPrism, Sphere, box, cylinder
-from damper3d.view.sketch import level_of, sketch, volume_below, walls_along
+from damper3d.view.sketch import sketch
 
 UP = np.array([0.0, 0.0, 1.0])
 OBLIQUE = np.array([1.0, 2.0, 3.0]) / math.sqrt(14.0)

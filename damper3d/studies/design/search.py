@@ -16,7 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from damper3d.case.case import GRAVITY, DamperCase
+from damper3d.case.case import DamperCase
+from damper3d.case.parts import gamma_at
 from damper3d.studies.design.candidates import Candidate, scaled, spread
 from damper3d.studies.design.spec import Task
 from damper3d.studies.field.balance import Responses, spaced, with_peaks
@@ -81,7 +82,7 @@ def predicted(design: "Design") -> list[float]:
     known = [row["gamma"] for row in design.rows]
     found: list[float] = []
     for frequency, amplitude in design.peaks:
-        gamma = float(f"{amplitude * (2.0 * math.pi * frequency) ** 2 / GRAVITY:.3g}")
+        gamma = float(f"{gamma_at(amplitude, frequency):.3g}")
         if all(abs(math.log(gamma / other)) > NEAR for other in (*known, *found)):
             found.append(gamma)
     return found

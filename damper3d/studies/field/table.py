@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from damper3d.case.parts import GRAVITY
+from damper3d.case.parts import GRAVITY, amplitude_of, gamma_at
 from granulab.campaign.output.files import write_atomic
 from granulab.campaign.output.table import as_csv
 from granulab.contact.files.datafile import csv_lines, numbered
@@ -88,7 +88,7 @@ class Field:
     @property
     def amplitude(self) -> Floats:
         """Of the enclosure (n,) [m]."""
-        return self.gamma * GRAVITY / (2.0 * math.pi * self.frequency) ** 2
+        return amplitude_of(self.gamma, self.frequency)
 
     @property
     def rides_at_least(self) -> bool:
@@ -186,7 +186,7 @@ class Field:
 
     def has_interval(self, frequency: float, amplitude: float) -> bool:
         """True where all points have intervals that the mass at such a motion [Hz, m] comes of."""
-        gamma = amplitude * (2.0 * math.pi * frequency) ** 2 / GRAVITY
+        gamma = gamma_at(amplitude, frequency)
         known = np.isfinite(self.in_phase_half_width) & np.isfinite(self.out_of_phase_half_width)
         above = int(np.searchsorted(self.frequencies, frequency))
         exact = above < len(self.frequencies) and self.frequencies[above] == frequency
@@ -202,7 +202,7 @@ class Field:
 
         Raises InputError outside the table, but below its least Gamma.
         """
-        gamma = amplitude * (2.0 * math.pi * frequency) ** 2 / GRAVITY
+        gamma = gamma_at(amplitude, frequency)
         (knots,), (force,) = self.knots(frequency)
         if gamma > knots[-1]:
             raise InputError(
@@ -281,7 +281,7 @@ def _refuse_nonsense(where: str, point: dict[str, float]) -> None:
     for name in _MAY_LACK:
         if point[name] < 0:
             raise InputError(f"{where}: {name} = {point[name]:g}: must not be below 0")
-    amplitude = point["gamma"] * GRAVITY / (2.0 * math.pi * point["frequency_hz"]) ** 2
+    amplitude = amplitude_of(point["gamma"], point["frequency_hz"])
     if not math.isclose(point["amplitude_m"], amplitude, rel_tol=_ROUNDED):
         raise InputError(
             f"{where}: amplitude_m = {point['amplitude_m']:g}: Gamma {point['gamma']:g} at "

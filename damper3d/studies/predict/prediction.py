@@ -9,15 +9,15 @@ import numpy as np
 
 from damper3d.case import closed_forms
 from damper3d.case.case import DamperCase
+from damper3d.case.level import level_of
 from damper3d.case.random_packing import Fraction, close_packing, loose_packing
-from damper3d.view.sketch import level_of, walls_along
 from granulab.errors import InputError
 
 FREQUENCIES = (20.0, 40.0, 80.0)  # [Hz] of Table 6.3
 _HEIGHTS = ("40 mm", "45 mm", "50 mm", "55 mm")  # of the thesis's four fills (Table 6.1)
 _ALONG = 1e-6  # how far a unit vector may be off an axis
-_HALF = 0.5  # of the volume, which takes half of the length of an even enclosure, and a quarter a
-_EVEN = 1e-4  # quarter, to so much of the length: the walls that are drawn are polygons
+_LOOKED_AT = 0.25, 0.5  # parts of the volume, which take as much of the length where it is even
+_EVEN = 1e-4  # of the length, to which they do: the walls that are drawn are polygons
 _STEP = 1e-3  # of the volume, for a derivative
 
 Free = Callable[[float], float]  # clearance [m] over a bed that takes a part of the volume
@@ -88,11 +88,11 @@ def predict(
     orientation = _orientation(case)
     known = {"loose": loose_packing(shape), "close": close or close_packing(shape)}
     try:
-        length, free = _free(case, orientation)
+        length, free, narrows = _free(case, orientation)
     except InputError:
         if needed:
             raise
-        length, free, known = math.nan, None, dict.fromkeys(known)
+        length, free, narrows, known = math.nan, None, False, dict.fromkeys(known)
     clearances = [_packed(name, most, fill, free) for name, most in known.items()]
     if free and packing is not None:
         closed_forms.effective_clearance(fill, length, packing)  # refused where there is none
@@ -103,7 +103,6 @@ def predict(
     threshold = None
     if orientation != "oblique":
         threshold = closed_forms.fluidisation_threshold(orientation, case.wall_law.mu)
-    narrows = free is not None and free(_HALF) != (1 - _HALF) * length
     return Prediction(case.name, fill, length, orientation, tuple(clearances), threshold, narrows)
 
 
@@ -261,32 +260,32 @@ def _millimetres(length: float | None) -> str:
     return "-" if length is None else f"{1e3 * length:.2f} mm"
 
 
-def _free(case: DamperCase, orientation: str) -> tuple[float, Free]:
+def _free(case: DamperCase, orientation: str) -> tuple[float, Free, bool]:
     """Distance [m] of the walls that the motion meets, and the free part of it over a packed bed.
 
-    The bed takes a part of the volume, which is that of the length where the enclosure is as wide
-    all along it (eq. 6.13). Elsewhere the bed lies at the lower end: InputError for motion that is
-    not vertical, whose bed may lie at either.
+    Also whether the enclosure is not as wide all along it. The bed takes a part of the volume,
+    which is that of the length where the width is even (eq. 6.13). Elsewhere the bed lies at the
+    lower end: InputError for motion that is not vertical, whose bed may lie at either.
     """
-    length = _between_walls(case)
+    length, enclosure = _between_walls(case), case.enclosure
+    up = case.direction if orientation != "vertical" else -case.gravity
+    up = up / float(np.linalg.norm(up))
+    floor = enclosure.lowest(up)
 
-    def level(part: float) -> float:
-        up = case.direction if orientation != "vertical" else -case.gravity
-        up = up / float(np.linalg.norm(up))
-        floor = float(walls_along(case.enclosure, up)[0].min())
-        return length - (level_of(case.enclosure, up, part * case.enclosure.volume) - floor)
+    def over(part: float) -> float:
+        return length - (level_of(enclosure, up, part * enclosure.volume) - floor)
 
-    even = all(
-        abs(level(part) - (1 - part) * length) < _EVEN * length for part in (_HALF / 2, _HALF)
-    )
-    if even:
-        return length, lambda part: (1 - part) * length
+    def even(part: float) -> float:
+        return (1 - part) * length
+
+    if all(abs(over(part) - even(part)) < _EVEN * length for part in _LOOKED_AT):
+        return length, even, False
     if orientation != "vertical":
         raise InputError(
             "the enclosure is not as wide all along the motion: predictions are for vertical "
             "motion then, where the bed lies at the lower end"
         )
-    return length, level
+    return length, over, True
 
 
 def _between_walls(case: DamperCase) -> float:
