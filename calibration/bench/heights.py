@@ -29,7 +29,7 @@ from calibration.bench.sections import (
     rows,
 )
 from calibration.files.dialect import Row, is_missing, name_and_unit, number
-from calibration.files.layout import is_made_of_others, is_slip
+from calibration.files.layout import is_made_of_others, slip_in
 from calibration.files.sheets import is_spreadsheet
 from calibration.files.tables import read_table, refuse_two_marks, rows_of
 from calibration.statistics.mixed import mixed
@@ -241,7 +241,8 @@ def _cells(lines: Sequence[Row], what: Request, where: str) -> tuple[list[Sectio
         label = fields[0]
         held = [fields[k] for k in heights if k < len(fields)]
         made = kept and (is_made_of_others(label) or _SD.search(label) or _MEAN.search(label))
-        note = not any(map(_is_value, held)) and not is_slip(held)
+        slip = slip_in(held)
+        note = slip is None and not any(map(_is_value, held))
         if made or note or _OF_OTHERS.search(label):
             found.means = {}
             if any(fields):
@@ -249,10 +250,9 @@ def _cells(lines: Sequence[Row], what: Request, where: str) -> tuple[list[Sectio
                 remarks.append(
                     f"{where}: line {line} left out, a note or made from other lines: {said!r}"
                 )
-        elif is_slip(held):
-            wrong = next(f for f in held if not is_missing(f) and number(f) is None)
+        elif slip is not None:
             raise InputError(
-                f"{where}: line {line}: {wrong!r} is no number; write the height, or leave the "
+                f"{where}: line {line}: {slip!r} is no number; write the height, or leave the "
                 "cell empty"
             )
         elif _MEAN.search(label) or _SD.search(label):

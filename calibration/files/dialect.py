@@ -8,6 +8,8 @@ from granulab.errors import InputError
 
 Row = tuple[int, list[str]]  # number of the line, its fields
 
+UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # marks that such a text begins with
+
 _UNIT = re.compile(r"\s*\[(?P<unit>[^\]]*)\]"), re.compile(r"\s*\((?P<unit>[^)]*)\)")
 _DECIMAL_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+(?:[eE][-+]?[0-9]+)?")
 _SPACED_FIELD = re.compile(r'"[^"]*"|\S+')

@@ -133,14 +133,15 @@ def is_made_of_others(label: str) -> bool:
     return _plain(name_and_unit(label)[0].rstrip("% ")) in _MEANS | _WITH_MEANS
 
 
-def is_slip(fields: Sequence[str]) -> bool:
-    """True if one of the fields of a line of numbers holds neither a number nor nothing.
+def slip_in(fields: Sequence[str]) -> str | None:
+    """The first field of a line of numbers that holds neither a number nor nothing; None of none.
 
     A line of words alone is a note.
     """
     held = [field for field in fields if not is_missing(field)]
     wrong = [field for field in held if number(field) is None]
-    return bool(wrong) and (len(wrong) < len(held) or any(map(_LIKE_A_NUMBER.match, wrong)))
+    slips = wrong and (len(wrong) < len(held) or any(map(_LIKE_A_NUMBER.match, wrong)))
+    return wrong[0] if slips else None
 
 
 def _is_note(fields: Sequence[str], counted: Sequence[int]) -> bool:

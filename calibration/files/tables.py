@@ -221,7 +221,7 @@ def text_of(path: Path) -> str:
         raise InputError(f"{path}: not a file")
     if len(data) > _MOST_BYTES:
         raise InputError(f"{path}: larger than {_MOST_BYTES >> 20} MiB")
-    wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
+    wide = data.startswith(dialect.UTF_16)
     for encoding in ("utf-16",) if wide else ("utf-8-sig", "cp1252"):
         try:
             text = data.decode(encoding)

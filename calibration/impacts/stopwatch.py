@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from calibration.files.dialect import Row, name_and_unit, number
+from calibration.files.dialect import UTF_16, Row, name_and_unit, number
 from calibration.files.dialect import rows as lines_of
 from calibration.files.sheets import is_spreadsheet, sheets
 from calibration.files.tables import text_of
@@ -251,7 +251,7 @@ def _names_events(path: Path) -> bool:
             start = file.read(_FIRST_BYTES)
     except (OSError, ValueError):
         return False
-    wide = start.startswith((b"\xff\xfe", b"\xfe\xff"))
+    wide = start.startswith(UTF_16)
     first = start.decode("utf-16" if wide else "utf-8", errors="replace").partition("\n")[0]
     return re.search(_EVENT.pattern, first, re.IGNORECASE) is not None
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from granulab.contact.files.casefile import changed
 from granulab.errors import InputError
 from silo2d.drawings.curves import Curve, Points, joined, read_drawing, signed_area
 
@@ -65,18 +66,14 @@ def drawn_case(path: str | Path, unit: str | None = None, layer: str | None = No
     is the whole lowest edge, unless it lies between two sides. InputError for one that is no case.
     """
     from silo2d.case.case import SiloCase
-    from silo2d.case.settings import Fill, commented_case
+    from silo2d.case.settings import Fill, Settings, commented_case
 
     values = outline_changes(path, unit, layer)
     y = [corner[1] for corner in values["silo.outline"]]
     height = max(y) - min(y)
     level = {} if 1e3 * Fill().level <= height else {"fill.level": f"{0.9 * height:.4g} mm"}
     keys = {"silo.outlet": None, **values, **level}
-    document: dict[str, Any] = {"name": "drawn"}
-    for place, value in keys.items():
-        section, key = place.split(".")
-        if value is not None:
-            document.setdefault(section, {})[key] = value
+    document = changed({"name": "drawn"}, keys, Settings)
     SiloCase.resolve(document, str(path), Path())  # refused before a file is written
     return commented_case(Path(path).stem, keys)
 

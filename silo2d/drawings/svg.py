@@ -87,10 +87,12 @@ def _drawn(
     element: ElementTree.Element, matrix: np.ndarray, names: tuple[str, ...], where: str
 ) -> Iterator[tuple[ElementTree.Element, np.ndarray, tuple[str, ...]]]:
     """The elements that are drawn, each with its matrix and the names of itself and its groups."""
-    hidden = _style(element, "display") == "none" or _style(element, "visibility") == "hidden"
+    style = _style(element)
+    shown = element.attrib | style  # a style goes before an attribute
+    hidden = shown.get("display") == "none" or shown.get("visibility") == "hidden"
     if _tag(element) in _HIDDEN or hidden:
         return
-    if _style(element, "transform"):
+    if style.get("transform"):
         raise InputError(f"{where}: a transform within a style is not read; export plain paths")
     matrix = matrix @ _transform(element.get("transform", ""), where)
     own = [value for key, value in element.attrib.items() if key == "id" or key.endswith("}label")]
@@ -101,13 +103,10 @@ def _drawn(
             yield from _drawn(child, matrix, names, where)
 
 
-def _style(element: ElementTree.Element, name: str) -> str | None:
-    """A property of an element: by its style, which goes before the attribute but of transforms."""
-    for part in element.get("style", "").split(";"):
-        key, _, value = part.partition(":")
-        if key.strip() == name:
-            return value.strip()
-    return None if name == "transform" else element.get(name)
+def _style(element: ElementTree.Element) -> dict[str, str]:
+    """The properties in an element's style; of one that stands twice the first."""
+    parts = [part.partition(":") for part in element.get("style", "").split(";")]
+    return {key.strip(): value.strip() for key, _, value in reversed(parts)}
 
 
 def _tag(element: ElementTree.Element) -> str:

@@ -132,16 +132,11 @@ def column(moments: list[Moment]) -> Column:
 
 def _free(scene: Scene, low: float, high: float, width: float) -> float:
     """Area [m2] between the vertical walls and two heights [m] that no insert takes."""
-    from shapely import Polygon, box, union_all
+    from shapely import box, linestrings, polygonize
 
-    own = np.flatnonzero(scene.of_insert)
-    names = [scene.wall_names[k].split(" side")[0] for k in own]
-    inserts = [
-        Polygon([scene.walls[k][0] for k, name in zip(own, names, strict=True) if name == one])
-        for one in dict.fromkeys(names)
-    ]
+    inserts = polygonize(linestrings(scene.walls[scene.of_insert]))
     left, right = scene.across
-    taken = union_all(inserts).intersection(box(left, low, right, high)).area
+    taken = inserts.intersection(box(left, low, right, high)).area
     return float(width * (high - low) - taken)
 
 

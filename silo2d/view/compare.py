@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from granulab.campaign.output.figure import BLUE, GREY, INK, headline, ruled
 from granulab.campaign.runs.folder import RunFolder, resume_run
 from granulab.campaign.runs.trajectory import Trajectory, read_trajectory
+from granulab.contact.files.casefile import flat
 from granulab.errors import FolderError
 from silo2d.run.numbers import discharge_curve
 
@@ -104,15 +105,9 @@ def _label(folder: RunFolder, row: dict[str, Any]) -> str:
 
 def _differences(folders: Sequence[RunFolder]) -> list[dict[str, Any]]:
     """Keys of each of two cases whose values differ, but for their names, by "section.key"."""
-    flat = []
-    for folder in folders:
-        tables = tomllib.loads(folder.read_case())
-        sections = {name: table for name, table in tables.items() if isinstance(table, dict)}
-        flat.append({f"{s}.{key}": value for s, table in sections.items()
-                     for key, value in table.items()})  # fmt: skip
-    keys = [key for key in dict.fromkeys([*flat[0], *flat[1]])
-            if flat[0].get(key) != flat[1].get(key)]  # fmt: skip
-    return [{key: one.get(key) for key in keys} for one in flat]
+    first, second = (flat(tomllib.loads(folder.read_case())) for folder in folders)
+    keys = [key for key in first | second if "." in key and first.get(key) != second.get(key)]
+    return [{key: one.get(key) for key in keys} for one in (first, second)]
 
 
 def _start_offset(first: Trajectory, second: Trajectory) -> float | None:

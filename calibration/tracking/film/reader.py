@@ -16,6 +16,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from calibration.files.dialect import UTF_16
 from granulab.errors import InputError
 
 Picture = NDArray[np.uint8]
@@ -29,7 +30,7 @@ FILMS = (".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".webm
 os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
 
 # With which spreadsheets and texts in UTF-16 begin, where no zero byte says that it is a film.
-_NO_FILMS = (b"PK", b"\xd0\xcf\x11\xe0", b"\xff\xfe", b"\xfe\xff")
+_NO_FILMS = (b"PK", b"\xd0\xcf\x11\xe0", *UTF_16)
 _AHEAD = 4  # frames decoded before their use: 25 MB of 1920 x 1080 px
 _BAD_IN_A_ROW = 1000  # frames that may be missing before a film is taken to end
 # A second is what falls, swings and discharges last: it takes frames. Cameras reach a million.

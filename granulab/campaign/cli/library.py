@@ -252,19 +252,14 @@ def _differences(runs: Mapping[Path, dict[str, str]]) -> dict[Path, dict[str, st
 
 def _keys(case: Path) -> dict[str, str]:
     """The keys of a case file as "section.key", and their values; none where it is damaged."""
+    from granulab.contact.files.casefile import flat
     from granulab.contact.files.datafile import toml_text
 
     try:
         _, tables = toml_text(case)
     except (InputError, OSError):
         return {}
-    keys: dict[str, str] = {}
-    for section, table in tables.items():
-        if isinstance(table, dict):
-            keys |= {f"{section}.{key}": _as_written(value) for key, value in table.items()}
-        else:
-            keys[section] = _as_written(table)
-    return keys
+    return {key: _as_written(value) for key, value in flat(tables).items()}
 
 
 def _as_written(value: Any) -> str:

@@ -275,6 +275,15 @@ def changed(
     return document
 
 
+def flat(tables: dict[str, Any]) -> dict[str, Any]:
+    """The values of a case file's tables by "section.key", and by "key" of what is in none."""
+    found: dict[str, Any] = {}
+    for section, table in tables.items():
+        within = isinstance(table, dict)
+        found |= {f"{section}.{k}": v for k, v in table.items()} if within else {section: table}
+    return found
+
+
 def _one_line(error: ValidationError, tables: dict[str, list[str]], least: str) -> str:
     problems = error.errors()
     problem = problems[0]

@@ -15,7 +15,7 @@ from granulab.contact.files.schema import (
     missing_words,
     section,
 )
-from granulab.contact.files.table import ContactTable, load_table, two_names
+from granulab.contact.files.table import ContactTable, load_table, refuse_turned, two_names
 from granulab.contact.files.units import located, nearest
 from granulab.errors import InputError
 
@@ -177,12 +177,11 @@ def lacking(path: Path, tables: dict[str, Any]) -> list[str]:
 
 def _refuse_names(path: Path, tables: dict[str, Any]) -> None:
     """Raise InputError for a pair that is not named by two materials, or is given both ways."""
-    for names in tables.get("pair", {}):
+    pairs = tables.get("pair", {})
+    both = {tuple(names.split("-")) for names in pairs}
+    for names in pairs:
         with located(f"{path}: {section('pair', names)}"):
-            first, second = two_names(names)
-            turned = f"{second}-{first}"
-            if first != second and turned in tables["pair"]:
-                raise InputError(f"is given again as {turned}; leave one out")
+            refuse_turned(*two_names(names), both)
 
 
 def lacking_words(keys: Iterable[str]) -> str:

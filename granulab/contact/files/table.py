@@ -4,7 +4,7 @@ import contextlib
 import dataclasses
 import json
 import os
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from pathlib import Path
 
 from granulab.contact.files.datafile import data_file
@@ -32,8 +32,7 @@ class ContactTable:
                     if name not in self.materials:
                         hint = nearest(name, self.materials)
                         raise InputError(f"material {name!r} is not in the table; {hint}")
-                if first != second and (second, first) in self.pairs:
-                    raise InputError(f"is given again as {second}-{first}; leave one out")
+                refuse_turned(first, second, self.pairs)
 
     @property
     def _name(self) -> str:
@@ -121,6 +120,12 @@ def _pair(path: Path, names: str, written: PairTable) -> Pair:
         known = _quantities(written)
         model = written.restitution_model
         return Pair(first, second, known["friction"], known.get("restitution"), linear, model)
+
+
+def refuse_turned(first: str, second: str, pairs: Container[tuple[str, ...]]) -> None:
+    """Raise InputError for a pair that is among others also the other way round."""
+    if first != second and (second, first) in pairs:
+        raise InputError(f"is given again as {second}-{first}; leave one out")
 
 
 def two_names(names: str) -> tuple[str, str]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from granulab.contact.files.table import load_table
 from granulab.errors import FolderError, InputError
 from silo2d.case.settings import check_settings, read_settings
+from silo2d.measures.basics.coarse_graining import inside_polygon
 from silo2d.view.scene import Scene
 
 Series = NDArray[np.float64]
@@ -76,7 +77,7 @@ def beside(scene: Scene, x: NDArray, y: NDArray) -> NDArray[np.bool_]:
         return np.zeros(np.shape(x), bool)
     from shapely import Polygon, contains_xy
 
-    silo = Polygon(scene.walls[~scene.of_insert].reshape(-1, 2))
+    silo = Polygon(inside_polygon(scene))
     below = y < scene.walls[..., 1].max()
     return below & (y >= 0.0) & ~contains_xy(silo, x, y)
 

@@ -10,6 +10,7 @@ from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, VERMILION, h
 from silo2d.loads.jenike import MARGIN, mass_flow_limit
 from silo2d.measures import loads
 from silo2d.view.loads.sheet import title
+from silo2d.view.loads.tables import no_sign
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -124,7 +125,7 @@ def _chart(axes: "Axes", found: Mapping[str, Any]) -> None:
             axes.annotate(letter, (half, friction), (3, 4), textcoords="offset points", color=GREY)
     words = own["flow"]
     if "dem" in found and found["flow"]["mass_flow_index"] is not None:
-        words += f"\nmass flow index {round(found['flow']['mass_flow_index'], 2) + 0.0:.2f}"
+        words += f"\nmass flow index {no_sign(found['flow']['mass_flow_index'], 2):.2f}"
     axes.plot(own["half_angle_deg"], friction, "o", color=VERMILION, label=words)
     axes.set(xlabel="half angle from the vertical [deg]", ylabel="angle of wall friction [deg]",
              xlim=(0, 95), ylim=(0, max(45, delta)))  # fmt: skip

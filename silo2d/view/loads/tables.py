@@ -216,7 +216,7 @@ def closed_parts(forms: Mapping[str, Any]) -> list[Part]:
 
 def pascal(value: float | None) -> str:
     """A pressure in whole pascals."""
-    return "-" if value is None else f"{_no_sign(value, 0):.0f}"
+    return "-" if value is None else f"{no_sign(value, 0):.0f}"
 
 
 def run_parts(found: Mapping[str, Any]) -> list[Part]:
@@ -283,9 +283,9 @@ def balance_table(dem: Mapping[str, Any]) -> Table:
              if part != "inserts" or any(own["inserts_n"] for own in known.values())]  # fmt: skip
     rows = []
     for name, own in known.items():
-        shares = (f"{_no_sign(100 * own[f'{part}_share'], 1):.1f}" for part in parts)
+        shares = (f"{no_sign(100 * own[f'{part}_share'], 1):.1f}" for part in parts)
         rows.append((name.replace("_", " "), f"{own['weight_n']:.3g}", *shares,
-                     f"{_no_sign(100 * own['closure'], 2):.2f}"))  # fmt: skip
+                     f"{no_sign(100 * own['closure'], 2):.2f}"))  # fmt: skip
     names = {"walls": "friction", "inertia": "accelerates"}
     return Table(
         "base and walls against the weight [% of it]",
@@ -294,7 +294,7 @@ def balance_table(dem: Mapping[str, Any]) -> Table:
     )
 
 
-def _no_sign(value: float, digits: int) -> float:
+def no_sign(value: float, digits: int) -> float:
     """A value rounded, without a sign where it is zero."""
     return round(value, digits) + 0.0
 
@@ -322,7 +322,7 @@ def flow_facts(found: Mapping[str, Any]) -> list[Part]:
             Fact(
                 "by the runs",
                 f"{flow['by_index']}: lowest mass flow index "
-                f"{_no_sign(flow['mass_flow_index'], 2):.2f} +- "
+                f"{no_sign(flow['mass_flow_index'], 2):.2f} +- "
                 f"{dem['mass_flow_index_error']:.2f} (limit 0.3)",
             )
         )
