@@ -62,13 +62,13 @@ def preset_case(name: str) -> str | None:
     return commented_case() if name in PRESETS else None
 
 
-def listing(root: Path) -> str:
+def listing(root: Path, every: bool) -> str:
     """Presets, cases, materials, and the packings and runs below a folder."""
     lines = [
         f"presets    {', '.join(PRESETS)}",
         f"cases      {', '.join(case_names('enclosure'))}",
         f"materials  {', '.join(data_names('materials'))}",
-        *packings_and_runs(root, "enclosure", _result),
+        *packings_and_runs(root, "enclosure", _result, every),
     ]
     return "\n".join(lines)
 

@@ -53,7 +53,7 @@ ours: where eta peaks along Gamma on the ridge named, geometric mean +- standard
   mean curve lies by more than noise; +-: the scatter of the mean, pooled over all lines, and
   half the bracket together. A small effect: largest over least optimum at most 1.5, about
   what 5 mm of height do at 40 mm (eq. 6.11, close packing). The trend is the slope of ln Gamma
-  against ln diameter through the optima of all packings, with its 95 % interval."""
+  against ln diameter through the mean optima, with its 95 % interval."""
 
 
 def panels() -> list[Panel]:
@@ -156,15 +156,10 @@ def optimum_by_size(readings: Readings) -> list[Row]:
 
 @QUANTITIES.quantity
 def exponent_of_size(readings: Readings) -> list[Row]:
-    """Slope of ln Gamma over ln diameter through the optima of all packings, with its noise."""
+    """Slope of ln Gamma over ln diameter through the mean optima, with its noise."""
     found = []
     for key, own in readings.found.items():
-        points = [
-            (math.log(diameter), gamma)
-            for diameter, one in own.items()
-            if one
-            for gamma in one.alone or (math.log(one.gamma),)
-        ]
+        points = [(math.log(diameter), math.log(one.gamma)) for diameter, one in own.items() if one]
         trend = slope([x for x, _ in points], [y for _, y in points])
         if trend is not None:
             hidden = abs(trend.value) <= trend.half_width

@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from granulab.campaign.cli.commandline import out_option, run_app
+from granulab.campaign.cli.library import all_option
 
 _PACKAGES = {"silo2d": "silo2d", "damper3d": "damper3d", "calibrate": "calibration"}  # by command
 _WITH_RUNS = ("silo2d", "damper3d")
@@ -18,14 +19,15 @@ _COLUMN = 17
 )
 @click.version_option(package_name="granulab")
 @out_option
+@all_option
 @click.pass_context
-def app(context: click.Context, out: str) -> None:
+def app(context: click.Context, out: str, every: bool) -> None:
     """GranuLab: silos, granular dampers, and their contact parameters from measurements.
 
     Without a command it lists the commands, presets, materials and runs that there are.
     """
     if context.invoked_subcommand is None:
-        click.echo(listing(Path(out)))
+        click.echo(listing(Path(out), every))
 
 
 @app.command()
@@ -46,7 +48,7 @@ def studio(folder: str, port: int, no_browser: bool) -> None:
     serve(Path(folder), port, open_browser=not no_browser)
 
 
-def listing(root: Path) -> str:
+def listing(root: Path, every: bool) -> str:
     """The commands, and the presets, materials and runs that there are, a line or more each."""
     from granulab.campaign.output.layout import wrapped
     from granulab.contact.files.datafile import data_names
@@ -62,7 +64,7 @@ def listing(root: Path) -> str:
     for package in _WITH_RUNS:
         library = importlib.import_module(f"{package}.commands.library")
         lines.append(f"{package:{_COLUMN}}presets {', '.join(library.PRESETS)}")
-        for line in library.listing(root).splitlines():
+        for line in library.listing(root, every).splitlines():
             word, rest = line.split(maxsplit=1)
             if word in ("shapes", "cases"):
                 lines.append(f"{'':{_COLUMN}}{word} {rest}")

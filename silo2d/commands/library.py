@@ -73,14 +73,14 @@ def preset_case(name: str) -> str | None:
     return commented_case(name, sizes)
 
 
-def listing(root: Path) -> str:
+def listing(root: Path, every: bool) -> str:
     """Presets, shapes, materials, and the packings and runs below a folder."""
     lines = [
         f"presets    {', '.join(PRESETS)}",
         f"cases      {', '.join(case_names('silo'))}",
         f"shapes     {', '.join(data_names('shapes'))}",
         f"materials  {', '.join(data_names('materials'))}",
-        *packings_and_runs(root, "silo", _ended),
+        *packings_and_runs(root, "silo", _ended, every),
     ]
     return "\n".join(lines)
 

@@ -123,6 +123,20 @@ def test_list_says_in_what_the_runs_of_a_sweep_differ(tmp_path):
     ]  # fmt: skip
 
 
+def test_list_counts_the_runs_of_a_large_study_unless_each_is_wanted(tmp_path):
+    for seed in range(1, 22):
+        case = SiloCase.load("A4", {"run.seed": seed})
+        dataclasses.replace(RUNS, compute=lambda *_: {}, result=_Anything).run(case, out=tmp_path)
+    lost = next(tmp_path.glob("A4-seed7-*"))
+    (lost / "summary.json").unlink()
+    (line,) = packings_and_runs(tmp_path, "silo", str)
+    assert line.startswith(f"runs       21 of A4 in {tmp_path}: 20 finished, 1 unfinished (")
+    assert line.endswith("; each with --all")
+    lines = packings_and_runs(tmp_path, "silo", lambda summary: "empty", every=True)
+    assert len(lines) == 21
+    assert sum("empty; run.seed" in one for one in lines) == 20
+
+
 def test_list_leaves_out_the_runs_of_the_other_simulator(tmp_path):
     runs = dataclasses.replace(RUNS, compute=lambda *_: {}, result=_Anything)
     runs.run(SiloCase.load("A4"), out=tmp_path)

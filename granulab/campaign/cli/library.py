@@ -1,6 +1,7 @@
 """The commands `init`, `list`, `show`: new files to edit; packings and runs in words."""
 
 import importlib
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
@@ -27,6 +28,11 @@ class NewFile(NamedTuple):
 
 
 _LONGEST = 40  # characters of a value in a list
+_MANY = 20  # runs of a case, as studies leave them, of which a list gives only the states
+
+all_option = click.option(
+    "--all", "every", is_flag=True, help=f"List each run, also of a case with more than {_MANY}."
+)
 
 
 def file_commands(
@@ -58,9 +64,10 @@ def file_commands(
 
     @click.command("list", help="List presets, files, packings; runs with their state and size.")
     @out_option
+    @all_option
     @click.option("--verify", "check", is_flag=True, help="Check all files below DIR for damage.")
-    def list_(out: str, check: bool) -> None:
-        (_verify if check else partial(_list, library()))(Path(out))
+    def list_(out: str, every: bool, check: bool) -> None:
+        (_verify if check else partial(_list, library(), every))(Path(out))
 
     @click.command(help=f"Describe a preset, {kinds} or run folder in words and numbers.")
     @click.argument("name")
@@ -135,9 +142,9 @@ def _copied(
     return text, next((kind for kind, one in files.items() if one.table in tables), "case")
 
 
-def _list(library: Any, root: Path) -> None:
+def _list(library: Any, every: bool, root: Path) -> None:
     """Print what there is to run, and what stands below a folder."""
-    click.echo(wrapped(library.listing(root), 11))
+    click.echo(wrapped(library.listing(root, every), 11))
 
 
 def _verify(root: Path) -> None:
@@ -210,12 +217,13 @@ def write_output(path: Path, content: bytes) -> Path:
 
 
 def packings_and_runs(
-    root: Path, section: str, result: Callable[[dict[str, Any]], str]
+    root: Path, section: str, result: Callable[[dict[str, Any]], str], every: bool = False
 ) -> list[str]:
     """Lines on what stands below a folder: packings, studies, and each run in which runs differ.
 
     section: one that every case of the simulator has; runs of another are left out.
     result: words on a finished run, from its summary; where it raises, that is damaged.
+    every: list each run also of a case that has more than _MANY, not a line for all of them.
     """
     packings = sorted((root / "packings").glob("*/packing.h5"))
     studies = sorted((root / "studies").glob("*/study.toml"))
@@ -225,11 +233,30 @@ def packings_and_runs(
     if packings:
         lines.append(f"packings   {len(packings)} in {root / 'packings'} ({_size(*packings)})")
     lines += [f"study      {path.parent} ({_size(path.parent)})" for path in studies]
-    differences = _differences(runs)
-    for run in runs:
-        own = "".join(f"; {key} {value}" for key, value in differences[run].items())
-        lines.append(f"run        {run}: {_state(run, result)}{own} ({_size(run)})")
+    for name, alike in _by_name(runs).items():
+        if name and len(alike) > _MANY and not every:
+            states = Counter(_kind_of_state(run) for run in alike)
+            shown = ", ".join(f"{number} {state}" for state, number in states.items())
+            lines.append(f"runs       {len(alike)} of {name} in {root}: {shown} ({_size(*alike)}); "
+                         "each with --all")  # fmt: skip
+            continue
+        for run, own in _differences(alike).items():
+            shown = "".join(f"; {key} {value}" for key, value in own.items())
+            lines.append(f"run        {run}: {_state(run, result)}{shown} ({_size(run)})")
     return lines
+
+
+def _by_name(runs: Mapping[Path, dict[str, str]]) -> dict[str | None, dict[Path, dict[str, str]]]:
+    """The runs and their keys by the name of their case."""
+    found: dict[str | None, dict[Path, dict[str, str]]] = {}
+    for run, case in runs.items():
+        found.setdefault(case.get("name"), {})[run] = case
+    return found
+
+
+def _kind_of_state(run: Path) -> str:
+    folder = RunFolder(run)
+    return "failed" if folder.failure else folder.state
 
 
 def _has(keys: Mapping[str, str], section: str) -> bool:
@@ -237,17 +264,10 @@ def _has(keys: Mapping[str, str], section: str) -> bool:
 
 
 def _differences(runs: Mapping[Path, dict[str, str]]) -> dict[Path, dict[str, str]]:
-    """Keys of the cases, with their values as written, in which runs of one name differ."""
-    alike: dict[str | None, dict[Path, dict[str, str]]] = {}
-    for run, case in runs.items():
-        alike.setdefault(case.get("name"), {})[run] = case
-    found: dict[Path, dict[str, str]] = {}
-    for cases in alike.values():
-        names = dict.fromkeys(key for case in cases.values() for key in case)
-        vary = [key for key in names if len({case.get(key) for case in cases.values()}) > 1]
-        for run, case in cases.items():
-            found[run] = {key: case.get(key, "left out") for key in vary}
-    return found
+    """Keys of the cases, with their values as written, in which these runs differ."""
+    names = dict.fromkeys(key for case in runs.values() for key in case)
+    vary = [key for key in names if len({case.get(key) for case in runs.values()}) > 1]
+    return {run: {key: case.get(key, "left out") for key in vary} for run, case in runs.items()}
 
 
 def _keys(case: Path) -> dict[str, str]:
