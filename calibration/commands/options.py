@@ -115,9 +115,20 @@ Box = tuple[int, int, int, int]  # x, y, width, height [px]
 
 
 def fps_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """--fps, checked by who uses it (calibration.tracking.film.reader)."""
+    """--fps, a number or in Hz; checked by who uses it (calibration.tracking.film.reader)."""
+
+    def parsed(_context: click.Context, _option: click.Parameter, text: str | None) -> float | None:
+        from granulab.contact.files.units import to_si
+
+        if text is None:
+            return None
+        try:
+            return float(text)
+        except ValueError:
+            return to_si(text, "Hz", "--fps")
+
     words = "Frames per second of the camera."
-    return click.option("--fps", type=float, metavar="240", help=words)(command)
+    return click.option("--fps", metavar="240", callback=parsed, help=words)(command)
 
 
 def roi_option(words: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:

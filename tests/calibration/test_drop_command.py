@@ -114,8 +114,9 @@ def test_two_objects_that_bounce_are_distinguished_by_name(tmp_path):
     ("options", "words"),
     [
         (["--fps", "0"], "--fps = 0.0"),
+        (["--fps", "0 kHz"], "--fps = 0.0"),
         (["--fps", "nan"], "--fps = nan"),
-        (["--fps", "fast"], "'fast' is not a valid float"),
+        (["--fps", "fast"], "--fps = 'fast': not a quantity"),
         (["--scale", "0.8 mm"], "a length per pixel"),
         (["--scale", "0.8 s/px"], "the unit is wrong"),
         (["--scale", "-1 mm/px"], "must be positive"),
