@@ -96,6 +96,7 @@ class DamperCase:
     arc: float | None = None  # radius [m] at which a host that twists has its displacements
     dampers: tuple["DamperCase", ...] = ()  # all on the host, where there are several
     together: Settings | None = None  # then what was given for all of them
+    source: tuple[dict[str, Any], str, Path] | None = None  # what `resolve` made it of
 
     @classmethod
     def load(cls, name_or_path: str | Path, changes: dict[str, Any] | None = None) -> "DamperCase":
@@ -121,9 +122,9 @@ class DamperCase:
     @classmethod
     def resolve(cls, document: dict[str, Any], where: str, folder: Path) -> "DamperCase":
         """A case from the tables of a case file; files it names are looked for in `folder`."""
-        given = check_settings(document, where)
+        given, source = check_settings(document, where), (document, where, folder)
         if given.damper is None:
-            return cls._single(document, where, folder)
+            return replace(cls._single(document, where, folder), source=source)
         dampers: list[DamperCase] = []
         for _ in range(2):  # alone, which gives their masses; then with what the others weigh
             alone, dampers = dampers, []
@@ -138,7 +139,8 @@ class DamperCase:
         for k, one in enumerate(dampers):
             steps = replace(shortest, free=one.steps.free)
             dampers[k] = replace(one, steps=steps)
-        return replace(dampers[(given.host.shown or 1) - 1], dampers=tuple(dampers), together=given)
+        shown = dampers[(given.host.shown or 1) - 1]
+        return replace(shown, dampers=tuple(dampers), together=given, source=source)
 
     @classmethod
     def _single(
@@ -346,21 +348,36 @@ class DamperCase:
         assert self.together is not None
         host = self.together.host.model_copy(update={"shown": k + 1 if k else None})
         together = self.together.model_copy(update={"host": host})
-        return replace(self.dampers[k], dampers=self.dampers, together=together)
+        own = self.dampers[k]
+        return replace(own, dampers=self.dampers, together=together, source=self.source)
 
     @property
     def settling(self) -> "DamperCase":
-        """The case while its particles settle, with the friction that they settle with."""
+        """The case while its particles settle, with the friction that they settle with.
+
+        Their restitution falls only where the case requests it: a packing serves all motions.
+        """
         friction = self.settings.fill.friction
-        if friction is True:
-            return self
+        own = {} if friction is True else {"mu": float(friction)}
         pairings = tuple(
-            replace(one, law=one.law._replace(mu=float(friction))) for one in self.pairings
+            replace(one, law=self._settles_with(one)._replace(**own)) for one in self.pairings
         )
         return replace(self, pairings=pairings)
 
+    def _settles_with(self, pairing: Pairing) -> HertzLaw:
+        """The law of a pairing, whatever the motion."""
+        given = self.settings.law.yielding is not None
+        return pairing.law if given else pairing.law._replace(yielding=math.inf)
+
     def with_seed(self, seed: int) -> "DamperCase":
-        """The case with another seed, from which those of several dampers follow."""
+        """The case with another seed, from which those of several dampers follow.
+
+        Sizes that are drawn are drawn again, and all that follows from them.
+        """
+        if self.source and any(one.bed is not None for one in (self, *self.dampers)):
+            document, where, folder = self.source
+            again = self.resolve(changed(document, {"run.seed": seed}, Settings), where, folder)
+            return again.shown(self.number) if self.dampers else again
         if self.together is None:
             return replace(self, settings=_seeded(self.settings, seed))
         seeds = seeds_of(self.together.damper or [], seed)
@@ -459,8 +476,12 @@ class DamperCase:
         length = {"steady": run.max_cycles} if run.steady else {}
         own = motion.model_extra or {}
         kind = [motion.kind, *own.items()] if motion.kind != "sines" else []
+        packing, laws = self.packing_identity(), [list(one.law) for one in self.pairings]
+        settled = {"settling_laws": packing["laws"]} if packing["laws"] != laws else {}
         return {
-            **self.packing_identity(),
+            **packing,
+            "laws": laws,
+            **settled,
             "motion": [motion.orientation, motion.frequency, motion.gamma, motion.ramp, *kind],
             "direction": self.direction,
             "gravity": self.gravity,
@@ -506,7 +527,7 @@ class DamperCase:
             "particle": [particle.offsets, particle.radii, particle.volume, particle.inertia],
             "count": self.count,
             "density": self.density,
-            "laws": [list(pairing.law) for pairing in self.pairings],
+            "laws": [list(self._settles_with(pairing)) for pairing in self.pairings],
             **self._more_identity(),
             "wall_curvature": law.wall_curvature,
             **model,

@@ -215,7 +215,7 @@ def count_of(enclosure: Enclosure, particle: MultiSphere, particles: Particles, 
             f"larger enclosure or smaller particles{unit}"
         )
     capacity = enclosure.volume / particle.volume
-    wanted = _usual_fill_ratio(particle.kind) if ratio is None else ratio
+    wanted = usual_fill_ratio(particle.kind) if ratio is None else ratio
     count = max(round(wanted * capacity), 1)
     if given is not None and ratio is not None and given != count:
         raise InputError(
@@ -241,9 +241,13 @@ def count_of(enclosure: Enclosure, particle: MultiSphere, particles: Particles, 
     return count
 
 
-def _usual_fill_ratio(kind: str) -> float:
-    """That of the thesis's 90 spheroids, 110 toroids or 358 spheres in 40 mm x 40 mm."""
-    if kind == "sphere":
+def usual_fill_ratio(*kinds: str) -> float:
+    """That of the thesis's 90 spheroids, 110 toroids or 358 spheres in 40 mm x 40 mm.
+
+    kinds: of the shapes; of several it is that of spheres.
+    """
+    kind, *others = set(kinds)
+    if others or kind == "sphere":
         return USUAL_FILL_RATIO
     sphere = 4.0 / 3.0 * math.pi * usual(kind).radius ** 3
     return usual(kind).count * sphere / cylinder(0.04, 0.04).volume

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from damper3d.case.parts import USUAL_FILL_RATIO, particle_wanted
+from damper3d.case.parts import particle_wanted, usual_fill_ratio
 from damper3d.case.settings import MOST_PARTICLES, Kind, Particles
 from damper3d.engine.enclosures import Enclosure
 from damper3d.shapes.multisphere import MultiSphere
@@ -91,7 +91,8 @@ def counts_of(
         ]
         shares = [share / sum(each) for share in each]
     mean = sum(share * volume for share, volume in zip(shares, volumes, strict=True))
-    fill_ratio = particles.fill_ratio or USUAL_FILL_RATIO
+    usual = usual_fill_ratio(*(Particle(kind.shape).kind for kind in kinds))
+    fill_ratio = particles.fill_ratio or usual
     whole = particles.count or max(round(fill_ratio * enclosure.volume / mean), 1)
     if particles.count and particles.fill_ratio and abs(
         whole * mean - fill_ratio * enclosure.volume

@@ -169,17 +169,19 @@ def _kinds(case: DamperCase) -> list[str]:
 
 
 def _laws(case: DamperCase) -> list[str]:
-    return [_law(_whose(case, one), one) for one in case.pairings]
+    return [_law(name, one) for name, one in zip(_names(case), case.pairings, strict=True)]
 
 
-def _whose(case: DamperCase, pairing: Pairing) -> str:
-    """Name of a pair of contacts: particles or walls, or both numbers of a mixture's kinds."""
+def _names(case: DamperCase) -> list[str]:
+    """Name of each pair of contacts: particles or walls, or both numbers of a mixture's kinds."""
     if len(case.pairings) == 2:
-        return "walls" if pairing.of_wall else "particles"
+        return ["walls" if one.of_wall else "particles" for one in case.pairings]
     walls = int(case.wall_kinds.max()) + 1
-    first, second = pairs_of(case.sorts, walls)[case.pairings.index(pairing)]
-    wall = f"wall of {pairing.materials[1]}" if walls > 1 else "wall"
-    return f"{first + 1}-{wall if pairing.of_wall else second + 1}"
+    found = []
+    for one, (first, second) in zip(case.pairings, pairs_of(case.sorts, walls), strict=True):
+        wall = f"wall of {one.materials[1]}" if walls > 1 else "wall"
+        found.append(f"{first + 1}-{wall if one.of_wall else second + 1}")
+    return found
 
 
 def _law(name: str, pairing: Pairing) -> str:
@@ -218,9 +220,9 @@ def _contact(case: DamperCase) -> str:
 def _yield(case: DamperCase) -> list[str]:
     """Yield velocity of each pair (eq. 5.26), and what its restitution does above it, and why."""
     lines = []
-    for one in case.pairings:
+    for name, one in zip(_names(case), case.pairings, strict=True):
         limit = "not known" if one.yield_velocity is None else f"{one.yield_velocity:.3g} m/s"
-        lines.append(f"  yield       {_whose(case, one)} {limit}: restitution {one.reason}")
+        lines.append(f"  yield       {name} {limit}: restitution {one.reason}")
     return lines
 
 

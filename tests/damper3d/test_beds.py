@@ -15,9 +15,11 @@ from small_silo import DRY
 from damper3d.case.case import DamperCase
 from damper3d.case.contacts import restitution_of_loss
 from damper3d.engine.records import CLASSES
+from damper3d.run.packing import packing_folder
 from damper3d.run.protocol import run_digest
 from damper3d.shapes.particle import parse_particle
 from damper3d.studies.pack.computed import pack
+from damper3d.view.report import echo
 from granulab.contact.restitution import ratio_of_restitution
 from granulab.contact.timestep import rayleigh_time_step
 
@@ -113,6 +115,13 @@ def test_the_echo_names_rule_and_numbers(materials):
     assert [one["restitution_falls"] for one in off["pairs"]] == [False, False]
 
 
+def test_the_echo_names_the_pairs_of_two_kinds_that_are_alike(materials):
+    ball = {"shape": "sphere:4mm", "count": 20, "material": "steel"}
+    lines = echo(made(materials, particles__kind=[ball, ball]), dry_run=False).splitlines()
+    laws = [line.split()[1] for line in lines if line.startswith("  law ")]
+    assert laws == ["1-1", "1-2", "2-2", "1-wall", "2-wall"]
+
+
 # Loss factor
 
 
@@ -136,6 +145,40 @@ def distributed(materials: Path, **changes: Any) -> DamperCase:
     usual = {"particles__count": 2000, "enclosure__diameter": "90 mm",
              "enclosure__height": "90 mm", "particles__shape": "sphere:4mm"}  # fmt: skip
     return made(materials, **usual | changes)
+
+
+def test_another_seed_draws_the_sizes_that_a_case_of_that_seed_has(materials, tmp_path):
+    """As in sweeps, maps and reproduced tables; all that follows from the sizes goes with them."""
+    wide = {"particles__size_distribution": "normal", "particles__size_deviation": "0.8 mm"}
+    case, other = (made(materials, **wide, run__seed=seed) for seed in (1, 2))
+    again = case.with_seed(2)
+    assert np.array_equal(again.radii, other.radii)
+    assert (again.mass, again.steps) == (other.mass, other.steps)
+    assert run_digest(again) == run_digest(other) != run_digest(case)
+    (tmp_path / "case.toml").write_text(again.to_toml(), encoding="utf-8")
+    for name, text in again.files.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    assert run_digest(DamperCase.load(tmp_path / "case.toml")) == run_digest(other)
+
+
+def test_a_packing_serves_all_motions_where_the_restitution_falls_by_itself(materials):
+    """Of steel it falls from Gamma 4 on: by the motion, which the settling has not begun."""
+    slow, fast = (made(materials, motion__gamma=gamma) for gamma in (1.0, 20.0))
+    assert not slow.pairings[0].falls
+    assert fast.pairings[0].falls
+    assert packing_folder(fast, Path()) == packing_folder(slow, Path())
+    assert fast.settling.pair_law == slow.pair_law != fast.pair_law
+    given, held = (made(materials, motion__gamma=20.0, law__yielding=on) for on in (True, False))
+    assert len({run_digest(one) for one in (given, fast, held)}) == 3  # its packing differs, too
+    assert given.settling.pair_law == given.pair_law
+
+
+@pytest.mark.parametrize("shape", ["prolate:1.5", "toroid:0.2"])
+def test_sizes_that_are_spread_leave_the_usual_number_of_particles(materials, shape):
+    alike = made(materials, particles__shape=shape)
+    spread = made(materials, particles__shape=shape, particles__size_distribution="normal",
+                  particles__size_deviation="0.001 mm")  # fmt: skip
+    assert spread.count == alike.count
 
 
 @pytest.mark.parametrize("kind", ["normal", "lognormal"])
