@@ -358,11 +358,11 @@ class DamperCase:
         Their restitution falls only where the case requests it: a packing serves all motions.
         """
         friction = self.settings.fill.friction
-        own = {} if friction is True else {"mu": float(friction)}
-        pairings = tuple(
-            replace(one, law=self._settles_with(one)._replace(**own)) for one in self.pairings
-        )
-        return replace(self, pairings=pairings)
+        laws = [self._settles_with(one) for one in self.pairings]
+        if friction is not True:
+            laws = [law._replace(mu=float(friction)) for law in laws]
+        pairings = (replace(one, law=law) for one, law in zip(self.pairings, laws, strict=True))
+        return replace(self, pairings=tuple(pairings))
 
     def _settles_with(self, pairing: Pairing) -> HertzLaw:
         """The law of a pairing, whatever the motion."""

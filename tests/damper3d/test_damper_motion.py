@@ -35,7 +35,8 @@ def made_up(case: DamperCase, seed: int = 1) -> tuple[dict, dict]:
     time = np.arange(cycles * output.samples + 1) * case.period / output.samples
     omega = 2.0 * np.pi / case.period
     n = len(time)
-    outwards = -5.0 * case.enclosure.planes[:, :3]
+    outwards = np.zeros((len(case.wall_names), 3))
+    outwards[: len(case.enclosure.planes)] = -5.0 * case.enclosure.planes[:, :3]
     samples = {
         "time": time,
         "displacement": case.amplitude * np.sin(omega * time),
@@ -135,3 +136,59 @@ def test_without_gravity_the_horizontal_names_serve():
     assert motion.orientation == "none"
     measures = measure_motion(motion)
     assert classify(measures, "none").name == classify(measures, "horizontal").name
+
+
+CELLS = {"enclosure.cells": [2, 2], "enclosure.cell_wall": "1 mm", "particles.count": 32}
+
+
+@pytest.mark.parametrize("direction", [{}, ALONG_X])
+def test_cells_have_the_phases_of_one_of_them(direction):
+    """The same motion in each of four cells, whose particles are no neighbours of the others'."""
+    one = box(**direction)
+    four = box(**direction, **CELLS)
+    samples, frames = made_up(one)
+    cells = np.column_stack([four.enclosure.cells, np.zeros(4)])
+    spread = {
+        "row": frames["row"],
+        "x": np.concatenate([frames["x"] + at for at in cells], axis=1),
+        "v": np.concatenate([frames["v"]] * 4, axis=1),
+        "touching": frames["touching"],
+        **spheres_around(four),
+    }
+    alone = measure_motion(taken(one, samples, frames))
+    fourfold = {**samples, "wall_force": 4.0 * samples["wall_force"]}
+    found = measure_motion(taken(four, fourfold, spread))
+    for name in ("hot_low", "hot_high", "floor_gap_least", "floor_gap_largest"):
+        del alone[name], found[name]  # by ranks, which so few particles divide otherwise
+    assert found == pytest.approx(alone, rel=1e-9)
+
+
+FUNNEL = {"enclosure.width": None, "enclosure.depth": None, "enclosure.shape": "frustum",
+          "enclosure.diameter": "4 mm", "enclosure.top_diameter": "40 mm",
+          "enclosure.height": "15 mm", "particles.shape": "sphere:1mm"}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("changes", "forces", "pushes"),
+    [  # on the walls, outwards [N]
+        ({}, {"bottom": (0, 0, -3), "top": (0, 0, 5)}, (3, 5)),
+        (ALONG_X, {"left": (-3, 0, 0), "right": (5, 0, 0), "bottom": (0.2, 0, -9)}, (3, 5)),
+        (ALONG_X | CELLS,
+         {"left": (-3, 0, 0), "right": (5, 0, 0), "bottom": (0.2, 0, -9)}, (3, 5)),
+        (FUNNEL, {"bottom": (0, 0, -3), "side": (1, 0, -5), "top": (0, 0, 2)}, (8, 2)),
+        (FUNNEL | {"enclosure.height": "80 mm"},
+         {"bottom": (0, 0, -3), "side": (1, 0, -5)}, (3, 0)),
+        (ALONG_X | {"enclosure.shape": "cylinder", "enclosure.diameter": "20 mm",
+                    "enclosure.width": None, "enclosure.depth": None},
+         {"side": (-3, 0, 0), "bottom": (0.2, 0, -9)}, (3, 0)),
+    ],
+)  # fmt: skip
+def test_an_end_is_every_wall_that_faces_the_motion(changes, forces, pushes):
+    """Also curved ones: the sides of cells, and a funnel's, which is flatter than 45 degrees."""
+    case = box(**changes)
+    samples, frames = made_up(case)
+    force = np.zeros_like(samples["wall_force"])
+    for name, vector in forces.items():
+        force[:, case.enclosure.wall_names.index(name)] = vector
+    motion = taken(case, {**samples, "wall_force": force}, frames)
+    assert motion.push.reshape(-1, 2) == pytest.approx(np.tile(pushes, (motion.push.size // 2, 1)))

@@ -4,7 +4,7 @@ The coordinate along the enclosure's motion is called z here, whatever its direc
 columns of positions and velocities lie across it. An end is what stops the bed along z.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,11 +17,13 @@ from damper3d.measures.counted import discarded
 
 if TYPE_CHECKING:
     from damper3d.case.case import DamperCase
+    from damper3d.engine.enclosures import Enclosure
     from granulab.campaign.runs.ragged import Tables
 
 # Columns of the tables that are read: about half of what a run keeps.
 _STORED = {"particles": ("x", "y", "z", "vx", "vy", "vz"), "contacts": ("body_1", "body_2")}
 _TIGHT = 0.01  # of the length, that a bed is taken to have free whatever its packing [-]
+_STEEP = np.sqrt(0.5)  # of a normal along the motion, above which a wall is an end
 FEWEST_FRAMES = 8  # a cycle: an eighth of it is as far as a particle may go unseen
 
 
@@ -48,6 +50,9 @@ class Motion:
     touching: np.ndarray  # (F,) share of the particles in contact with anything
     displacement: np.ndarray  # (F,) of the enclosure, at the frames
     frame_speed: np.ndarray  # (F,) likewise its velocity
+    cell: np.ndarray | float = (
+        0.0  # (N, 3) from the first of equal cells, in which x is, to its own
+    )
 
     @property
     def peak_speed(self) -> float:
@@ -106,24 +111,27 @@ def take(
     low, length = _ends(case, axes)
     counted = slice(first + 1, last + 1)
     shape = (n_cycles, per_cycle)
-    push = _pushes(samples["wall_force"][counted], case, axes)
-    at = rows[chosen]
+    push = _pushes(samples["wall_force"][counted], case.enclosure, axes)
+    at, x = rows[chosen], np.asarray(frames["x"][chosen], float)
+    mass, cell = np.asarray(frames["mass"], float), _from_first(case.enclosure.cells, x[0])
+    position = samples["mean_position"][counted] - mass @ cell / mass.sum()
     return Motion(
         period=case.period,
         gravity=axes @ case.gravity,
         length=length,
         clearance=clearance(case.fill_ratio, length, case.particle.name),
         radius=np.asarray(frames["radius"], float),
-        mass=np.asarray(frames["mass"], float),
+        mass=mass,
         push=push.reshape(*shape, 2),
         speed=samples["velocity"][counted].reshape(shape),
-        bed_height=(samples["mean_position"][counted] @ axes[2] - low).reshape(shape),
+        bed_height=(position @ axes[2] - low).reshape(shape),
         n=n,
-        x=np.asarray(frames["x"][chosen], float) @ axes.T - [0.0, 0.0, low],
+        x=(x - cell) @ axes.T - [0.0, 0.0, low],
         v=np.asarray(frames["v"][chosen], float) @ axes.T,
         touching=np.asarray(frames["touching"], float)[chosen],
         displacement=np.asarray(samples["displacement"][at], float),
         frame_speed=np.asarray(samples["velocity"][at], float),
+        cell=cell @ axes.T,
     )
 
 
@@ -195,18 +203,49 @@ def _ends(case: "DamperCase", axes: np.ndarray) -> tuple[float, float]:
     return float(case.enclosure.middle @ axes[2] + down), up - down
 
 
-def _pushes(wall_force: np.ndarray, case: "DamperCase", axes: np.ndarray) -> np.ndarray:
+def _from_first(cells: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Way (N, 3) [m] from the first cell to that in which each particle is; cells: centres (n, 2).
+
+    All cells lie one over the other by it, so that a bed is measured in its own.
+    """
+    own = ((x[:, None, :2] - cells) ** 2).sum(axis=2).argmin(axis=1)
+    return np.column_stack([cells[own] - cells[0], np.zeros(len(x))])
+
+
+def _pushes(wall_force: np.ndarray, enclosure: "Enclosure", axes: np.ndarray) -> np.ndarray:
     """Force of the walls below and above on the bed, along the motion, inwards (rows, 2) [N].
 
-    A wall is below where its normal points up by more than 45 degrees; a round side pushes up
-    from below and down from above, so that its force counts by its sign.
+    A wall is below where its normal points up by more than 45 degrees; a round one that does so at
+    one place and points down at another pushes up from below and down from above, so that its force
+    counts by its sign.
     """
     on_bed = -np.asarray(wall_force, float) @ axes[2]  # (rows, walls)
-    along = case.enclosure.planes[:, :3] @ axes[2]
-    flat = on_bed[:, : len(along)]
-    below, above = along > np.sqrt(0.5), along < -np.sqrt(0.5)
-    push = np.stack([flat[:, below].sum(axis=1), -flat[:, above].sum(axis=1)], axis=1)
-    if not below.any() and on_bed.shape[1] > len(along):
-        side = on_bed[:, len(along)]
-        push = np.stack([np.maximum(side, 0.0), np.maximum(-side, 0.0)], axis=1)
-    return push
+    least, most = _facing(enclosure, axes).T
+    below, above = least > _STEEP, most < -_STEEP
+    around = on_bed[:, (least < -_STEEP) & (most > _STEEP)]
+    up = on_bed[:, below].sum(axis=1) + np.maximum(around, 0.0).sum(axis=1)
+    down = -on_bed[:, above].sum(axis=1) + np.maximum(-around, 0.0).sum(axis=1)
+    return np.stack([up, down], axis=1)
+
+
+def _facing(enclosure: "Enclosure", axes: np.ndarray) -> np.ndarray:
+    """Least and largest part along the motion of the inward normal of each wall (walls, 2).
+
+    Of a curved wall as seen from about the middle; in a void without flat walls all that there are
+    face all ways.
+    """
+    from damper3d.engine.enclosures import nearest_of
+
+    flat = enclosure.planes[:, :3] @ axes[2]
+    curved = len(enclosure.wall_names) - len(flat)
+    if not len(flat):
+        return np.tile([-1.0, 1.0], (curved, 1))
+    surface = enclosure.surface
+    nearest: Callable[..., Any] = nearest_of(type(surface))
+    about = enclosure.middle + 1e-3 * enclosure.narrowest * np.vstack([axes, -axes])
+    found = [[flat_one, flat_one] for flat_one in flat]
+    for wall in range(curved):
+        normal = np.array([nearest(surface, wall, *point)[1] for point in about])
+        inward = -normal @ axes[2]
+        found.append([inward.min(), inward.max()])
+    return np.array(found)

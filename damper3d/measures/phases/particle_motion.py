@@ -73,7 +73,7 @@ def neighbour_motion(motion: Motion) -> tuple[np.ndarray, float | None]:
     energy, kept, had = np.zeros(n_particles), 0, 0
     looks = range(0, n_frames, max(1, motion.n // LOOKS))
     for k in looks:
-        i, j = near_pairs(motion.x[k], motion.radius)
+        i, j = near_pairs(motion.x[k] + motion.cell, motion.radius)
         against = 0.5 * ((motion.v[k, i] - motion.v[k, j]) ** 2).sum(axis=1)
         both, weights = np.concatenate([i, j]), np.concatenate([against, against])
         count = np.bincount(both, minlength=n_particles)
