@@ -30,11 +30,10 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
     place = counted["displacement"]
     if rim is not None and own.lines is not None and own.rim is not None:
         place = own.rim * own.lines.at(counted["time"])[0]
-    across, aside = own.across(counted["time"]), own.aside(case.direction)
-    if across is not None and aside is not None:  # of two directions the sizes of both together
-        second = np.linalg.norm(aside) * np.array(across)
-        acceleration = np.hypot(acceleration, _acceleration(second[1], counted["time"]))
-        place, velocity = np.hypot(place, second[0]), np.hypot(velocity, second[1])
+    across = own.across(counted["time"])
+    if across is not None:  # of two directions the sizes of both together
+        acceleration = np.hypot(acceleration, _acceleration(across[1], counted["time"]))
+        place, velocity = np.hypot(place, across[0]), np.hypot(velocity, across[1])
     return {
         "kind": own.kind,
         "on": own.on,

@@ -83,15 +83,15 @@ def along(samples: Samples, direction: np.ndarray) -> np.ndarray:
 
 
 def peak_wall_force(
-    samples: Samples, direction: np.ndarray, aside: np.ndarray | None = None
+    samples: Samples, direction: np.ndarray, second: np.ndarray | None = None
 ) -> float:
     """Largest force [N], either way, on the enclosure along the motion; means over a sample.
 
-    Of a motion of two directions in their plane; aside: what the second has across the first.
+    Of a motion of two directions in their plane; second: the other one, across the first.
     """
     force = np.abs(along(samples, direction)[1:])
-    if aside is not None and (size := float(np.linalg.norm(aside))) > 0.0:
-        force = np.hypot(force, along(samples, aside / size)[1:])
+    if second is not None:
+        force = np.hypot(force, along(samples, second)[1:])
     return float(force.max())
 
 
@@ -107,8 +107,8 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
     """Design numbers of the counted cycles, by the names of a run's Result."""
     case, counted = cycles.case, cycles.counted
     if case.excitation is not None or case.arc is not None:
-        aside = None if case.excitation is None else case.excitation.aside(case.direction)
-        return _without_a_frequency(counted, case.direction, aside)
+        second = None if case.excitation is None else case.excitation.second
+        return _without_a_frequency(counted, case.direction, second)
     omega, speed = 2.0 * math.pi / case.period, cycles.peak_speed
     reference = reference_energy(speed, case.mass)
     eta = efficiencies(counted, cycles.per_cycle, reference)
@@ -128,7 +128,7 @@ def numbers(cycles: Cycles) -> dict[str, Any]:
 
 
 def _without_a_frequency(
-    counted: Samples, direction: np.ndarray, aside: np.ndarray | None
+    counted: Samples, direction: np.ndarray, second: np.ndarray | None
 ) -> dict[str, Any]:
     """The same under an excitation that is no sine: what goes by one frequency is None."""
     length = float(counted["time"][-1] - counted["time"][0])
@@ -137,7 +137,7 @@ def _without_a_frequency(
         "loss_factor": None,
         "equivalent_damping_n_s_per_m": None,
         "effective_mass": {"in_phase_kg": None, "out_of_phase_kg": None},
-        "peak_wall_force_n": peak_wall_force(counted, direction, aside),
+        "peak_wall_force_n": peak_wall_force(counted, direction, second),
     }
 
 

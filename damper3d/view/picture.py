@@ -234,7 +234,7 @@ def _mesh(pyvista: Any, scene: Scene, frame: int) -> Any:
 def _aim(plotter: Any, scene: Scene) -> None:
     """The eye stands still: it sees the enclosure wherever it goes."""
     view, size = scene.view, float(np.linalg.norm(scene.size))
-    travel = 2 * float(np.abs(scene.trajectory["displacement"]).max())
+    travel = 2 * float(np.linalg.norm(scene.way, axis=1).max())
     middle = np.array([0.0, 0.0, scene.enclosure.height / 2])
     towards = view.nearer + _ASIDE * view.right + _ABOVE * view.up
     distance = 2.0 * (size + travel)

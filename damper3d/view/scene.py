@@ -293,8 +293,23 @@ class Scene:
 
     def shift(self, frame: int) -> Array:
         """Displacement (3,) [m] of the enclosure in a frame."""
-        along = 0.0 if self.settings.host.inertia is not None else self.direction  # it twists
-        return self.trajectory["displacement"][self.frame_sample[frame]] * along * np.ones(3)
+        return self.way[self.frame_sample[frame]]
+
+    @cached_property
+    def way(self) -> Array:
+        """Displacement (S, 3) [m] of the enclosure, along both of two directions; 0: it twists."""
+        along = self.trajectory["displacement"][:, None]
+        if self.settings.host.inertia is not None:
+            return np.zeros((len(along), 3))
+        if self.settings.excitation.across is None:
+            return along * self.direction
+        from damper3d.case.case import DamperCase
+
+        own = DamperCase.load(self.folder / "case.toml").excitation
+        assert own is not None
+        across = own.across(self.time)
+        assert across is not None
+        return along * self.direction + across[0][:, None] * own.second
 
     @property
     def title(self) -> str:

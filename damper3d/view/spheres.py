@@ -157,10 +157,7 @@ def _cut(points: Array, level: float) -> Array:
 def window(scene: Scene, scale: float) -> Window:
     """Window that holds the enclosure wherever it goes, at a scale [px/m]."""
     low, high = corners(scene)
-    displacement = scene.trajectory["displacement"]
-    moved = np.stack(
-        [scene.view.project(u * scene.direction) for u in (displacement.min(), displacement.max())]
-    )
+    moved = scene.view.project(scene.way)
     margin = _AROUND * max(high - low)
     left, bottom = low + moved[:, :2].min(axis=0) - margin
     right, top = high + moved[:, :2].max(axis=0) + margin

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fake_damper_run import write_fake_damper_run
 from refusals import assert_refuses
 from same_run import assert_same_run
 from small_damper import damper3d, write_damper
@@ -17,6 +18,7 @@ from damper3d.measures import host
 from damper3d.measures.counted import Cycles
 from damper3d.run import protocol
 from damper3d.view.report import echo
+from damper3d.view.scene import read_scene
 from granulab.errors import Stopped
 
 PLAIN = dict.fromkeys(
@@ -24,6 +26,7 @@ PLAIN = dict.fromkeys(
 )
 SINES = {**PLAIN, "excitation.kind": "sines", "excitation.frequencies": [80, 120],
          "excitation.amplitudes": ["6 g", "4 g"], "run.cycles": 4, "run.discard": 2}  # fmt: skip
+CROSSED = {**SINES, "excitation.across": [1, 0, 0], "excitation.across_amplitudes": ["1 g", "1 g"]}
 ROTATION = {**PLAIN, "excitation.kind": "rotation", "excitation.frequencies": [80],
             "excitation.amplitudes": ["20 deg"], "run.cycles": 4, "run.discard": 2}  # fmt: skip
 SWEEP = {**PLAIN, "excitation.kind": "sweep", "excitation.from_frequency": 60,
@@ -68,6 +71,11 @@ def load(folder: Path, changes) -> DamperCase:
         ({**SINES, "excitation.phases": ["1 s", "0 deg"]}, ["phases = '1 s'"]),
         ({**SINES, "excitation.across_amplitudes": ["1 g", "1 g"]}, ["across is missing"]),
         ({**SINES, "excitation.across": [0, 0, 0]}, ["across", "no direction"]),
+        (
+            {**CROSSED, "excitation.across": [1, 0, 1]},
+            ["across = [1.0, 0.0, 1.0]", "at right angles", "such as [0.707107, 0.0, 0.0]"],
+        ),
+        ({**CROSSED, "excitation.across": [0, 0, 2]}, ["at right angles", "give another"]),
         ({**SINES, "excitation.psd": [[1, 1], [2, 1]]}, ["psd is no key", "frequencies"]),
         ({**SINES, "motion.gamma": 3.0}, ["[motion] gamma", "stands in its place"]),
         ({**SINES, "motion.ramp": 2}, ["[motion] ramp"]),
@@ -254,7 +262,25 @@ def test_a_recording_that_begins_with_a_kick_or_has_an_offset_is_warned_of(tmp_p
     assert "10 %" in offset[0]
 
 
-CROSSED = {**SINES, "excitation.across": [1, 0, 0], "excitation.across_amplitudes": ["1 g", "1 g"]}
+def test_pictures_and_exports_move_the_enclosure_along_both_directions(tmp_path):
+    """As the second motion's closed form has it, at the frames of a run that is drawn."""
+    made = write_fake_damper_run(tmp_path / "run", frequency=40.0, cycles=4)
+    case = load(tmp_path, CROSSED)
+    made.write_case(case.to_toml())
+    for name, text in case.files.items():
+        (made.path / name).write_text(text, encoding="utf-8")
+    scene = read_scene(made.path)
+    second = sum(
+        9.81 / (2 * np.pi * f) ** 2 * np.sin(2 * np.pi * f * scene.time) for f in (80, 120)
+    )
+    second -= second.mean()
+    along = scene.trajectory["displacement"]
+    moved = scene.way[:, 0] - scene.way[:, 0].mean()
+    assert moved == pytest.approx(second, abs=1e-3 * np.ptp(second))
+    assert np.array_equal(scene.way[:, 2], along)
+    assert np.array_equal(scene.shift(3), scene.way[scene.frame_sample[3]])
+
+
 OTHERS = {
     "frequencies": (SINES, [80, 160]), "amplitudes": (SINES, ["6 g", "5 g"]),
     "phases": (SINES, ["0 deg", "9 deg"]), "across": (CROSSED, [0, 1, 0]),

@@ -44,6 +44,7 @@ _RANDOM_CYCLES = 50  # of the lowest frequency, that count by themselves
 _LEFT = math.exp(-3.0)  # of a bare host's transient, that is left when counting begins
 _PEAKS_OF = 50  # windows of a sum of sines, among which its largest values are looked for
 _ROUND = ("cylinder", "frustum", "sphere")  # enclosures that may turn about their axis
+_ACROSS = 1e-6  # of a direction that may lie along the other, by rounding
 _MOST_POINTS = 50_000_000
 # Keys of each kind: those that it needs, then those that it may have.
 _KEYS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
@@ -94,12 +95,10 @@ class Excitation:
             return None
         return Lines(*self.motion.across[:3]).at(time)
 
-    def aside(self, direction: np.ndarray) -> np.ndarray | None:
-        """Part (3,) of the second direction across a first one, of length one; None without it."""
-        if not isinstance(self.motion, Crossed):
-            return None
-        second = self.motion.direction
-        return np.asarray(second - (second @ direction) * direction)
+    @property
+    def second(self) -> np.ndarray | None:
+        """The second direction (3,), a unit vector across the first; None without one."""
+        return self.motion.direction if isinstance(self.motion, Crossed) else None
 
     def rim_velocity(self, time: np.ndarray) -> np.ndarray | None:
         """Velocity [m/s] of the rim of an enclosure that turns, at times (n,); None of others."""
@@ -305,6 +304,7 @@ def _sines(keys: Keys, on: str, settings: Settings, slowest: float) -> Excitatio
         if on != "enclosure":
             raise InputError("across: a host moves along one direction; leave it out")
         direction = unit_vector(keys.across, "across")
+        _check_across(keys.across, direction, settings)
         motion = Crossed(motion, _lines(keys, on, "across_").motion(), direction)
     elif keys.across_amplitudes is not None or keys.across_phases is not None:
         raise InputError("across is missing; give the direction of the second motion")
@@ -313,6 +313,18 @@ def _sines(keys: Keys, on: str, settings: Settings, slowest: float) -> Excitatio
         "sines", on, motion, *_windows(frequencies, settings, slowest), max(frequencies), lines,
         identity=(lines.amplitude, lines.omega, lines.phase, *across),
     )  # fmt: skip
+
+
+def _check_across(given: list[float], second: np.ndarray, settings: Settings) -> None:
+    """Raise InputError where a second direction is not across that of the motion."""
+    first = unit_vector(settings.motion.direction or [0.0, 0.0, 1.0], "direction")
+    if abs(second @ first) > _ACROSS:
+        rest = np.round(second - (second @ first) * first, 6)
+        cure = f"give such as {rest.tolist()}, and" if rest.any() else "give another;"
+        raise InputError(
+            f"across = {given}: must be at right angles to [motion] direction; {cure} what is "
+            "along that belongs to amplitudes and phases"
+        )
 
 
 def rim_of(settings: Settings) -> float:
