@@ -302,6 +302,17 @@ def with_usual_cycles(settings: Settings, document: dict[str, Any]) -> Settings:
 
 def gravity_of(motion: Motion, where: str) -> tuple[np.ndarray, np.ndarray]:
     """Gravity [m/s2] of the motion and of the settling."""
+    found = _gravities(motion, where)
+    along = unit_vector(motion.direction or [0.0, 0.0, 1.0], f"{where}: [motion] direction")
+    if motion.orientation == "horizontal" != orientation_of(found[0], along):
+        raise InputError(
+            f"{where}: [motion] orientation = 'horizontal': by the gravity or direction that is "
+            "given the motion is vertical; leave orientation out, or these"
+        )
+    return found
+
+
+def _gravities(motion: Motion, where: str) -> tuple[np.ndarray, np.ndarray]:
     if motion.gravity is not None:
         if motion.orientation == "none":
             raise InputError(

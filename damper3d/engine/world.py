@@ -202,8 +202,11 @@ def walls_of(enclosure: Enclosure, m: int, curved: bool, bounding: float, rollin
     bounding: radius of the largest particle [m].
     """
     n_walls, surface = len(enclosure.wall_names), enclosure.surface_for(bounding)
-    if isinstance(surface, Triangles):
-        surface = surface._replace(held=np.full((m, PLACES), -1, np.int32))
+    if isinstance(surface, Triangles):  # worlds share the cells, and nothing that is written to
+        surface = surface._replace(
+            held=np.full((m, PLACES), -1, np.int32), number=surface.number.copy(),
+            distance=surface.distance.copy(), normal=surface.normal.copy(),
+        )  # fmt: skip
     return Walls(
         planes=enclosure.planes,
         surface=surface,

@@ -50,7 +50,12 @@ def dissipated(scene: Scene) -> dict[str, Array]:
 
 
 def efficiency_of_cycles(scene: Scene) -> Array:
-    """Efficiency of each whole cycle (c,), from the budget (eqs 6.8 to 6.10)."""
+    """Efficiency of each whole cycle (c,), from the budget (eqs 6.8 to 6.10).
+
+    As the results of a finished run have it: of a free decay by each cycle's own amplitude.
+    """
+    if known := scene.summary.get("efficiency_per_cycle"):
+        return np.array(known)
     per = scene.samples_per_cycle
     return efficiencies(cut(scene.trajectory, per, 0), per, scene.full_energy)["efficiency"]
 

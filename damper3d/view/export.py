@@ -97,10 +97,16 @@ def _to_csv(scene: Scene, usual: Path, path: Path | None) -> list[Path]:
 
 
 def _to_shaker(
-    _scene: Scene, folder: Path, path: Path | None, mass: float = ENCLOSURE_MASS
+    scene: Scene, folder: Path, path: Path | None, mass: float = ENCLOSURE_MASS
 ) -> list[Path]:
     if not 0.0 < mass < np.inf:
         raise InputError(f"--enclosure-mass = {mass:g} kg: expected more than 0")
+    keys = scene.settings.excitation
+    if scene.settings.host.inertia or keys.kind == "rotation" or keys.across:
+        raise InputError(
+            "--to shaker: a record has one acceleration and the force along it, and this enclosure "
+            "turns or moves along two directions; take --to csv"
+        )
     path = path or folder / "shaker.csv"
     other, cycles = path.with_stem(f"{path.stem}-empty"), read_cycles(folder.parent)
     return [

@@ -116,6 +116,14 @@ BAD_CASES: list[tuple[dict[str, Any], list[str]]] = [
         {"motion.gravity": [0, 0, 1], "motion.orientation": "none"},
         ["gravity is given", "leave one of them out"],
     ),
+    (
+        {"motion.gravity": [0, 0, -1], "motion.orientation": "horizontal"},
+        ["orientation = 'horizontal'", "the motion is vertical", "leave orientation out"],
+    ),
+    (
+        {"motion.direction": [1, 0, 0], "motion.orientation": "horizontal"},
+        ["orientation = 'horizontal'", "the motion is vertical"],
+    ),
     # enclosures
     ({"enclosure.shape": "cone"}, ["shape = 'cone'", "'cylinder' or 'box'"]),
     ({"enclosure.shape": "box"}, ["diameter goes with shape = 'cylinder'"]),

@@ -11,6 +11,7 @@ from small_damper import damper3d
 
 from damper3d.case.case import GRAVITY
 from damper3d.engine.enclosures import box, cylinder
+from damper3d.engine.enclosures.polyhedron import Polyhedron
 from damper3d.engine.growth import spheres
 from damper3d.engine.growth.spheres import cells_over, grow, push_pairs
 from damper3d.run import packing as packing_module
@@ -84,6 +85,15 @@ def test_the_search_in_cells_finds_all_overlaps():
                 expected[i] += (2 * RADIUS - distance) * gap / distance
     np.testing.assert_allclose(force, expected, atol=1e-15)
     assert deepest == pytest.approx(2 * RADIUS - pdist(centres).min())
+
+
+def test_a_ball_that_hardly_fits_into_a_pointed_void_is_placed():
+    """Nearly the sphere that touches all four faces of a slender tetrahedron: it grows into it."""
+    void = Polyhedron(((0.0, 0.0, 0.0), (0.04, 0.0, 0.0), (0.0, 0.04, 0.0), (0.0, 0.0, 0.2)))
+    radius = 0.4975 * void.narrowest
+    centre, reached = grow(void, 1, radius, np.random.default_rng(1))
+    assert reached == 1.0
+    assert void.clearance(centre).min() > radius * (1.0 - 1e-9)
 
 
 def test_the_random_start_comes_from_the_seed_alone():

@@ -279,6 +279,9 @@ def test_pictures_and_exports_move_the_enclosure_along_both_directions(tmp_path)
     assert moved == pytest.approx(second, abs=1e-3 * np.ptp(second))
     assert np.array_equal(scene.way[:, 2], along)
     assert np.array_equal(scene.shift(3), scene.way[scene.frame_sample[3]])
+    refused = damper3d("export", made.path, "--to", "shaker")
+    assert refused.code == 2
+    assert "turns or moves along two directions; take --to csv" in refused.err
 
 
 OTHERS = {

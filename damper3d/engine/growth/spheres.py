@@ -36,6 +36,7 @@ _START = 0.1  # fill ratio of the radii that the first stage begins with
 # Spheres from which on they are numbered by where they start: fewer stay in the processor's cache
 # in any order, and keep the bits of their packings.
 _MANY = 100_000
+_ROUNDS = 1000  # of random points, after which those of a ball of half the size serve
 # Cells at most, so many a sphere and these, and how much wider they are made at a time where there
 # would be more: far above what beds need, whose packings keep their bits.
 _CELLS, _FEW, _WIDER = 100, 1_000_000, 1.25
@@ -91,7 +92,8 @@ def _anywhere(
 ) -> np.ndarray:
     """Random points (count, 3), evenly spread over where a ball of a radius fits.
 
-    Cells get as many each, the first ones one more where they cannot.
+    Cells get as many each, the first ones one more where they cannot. Where such a ball hardly
+    fits, as a large one in a pointed void, a smaller one's places serve: the walls push it in.
     """
     cells = enclosure.cells
     if len(cells) > 1:
@@ -104,10 +106,12 @@ def _anywhere(
         )
     low = np.array([-0.5 * enclosure.width, -0.5 * enclosure.depth, 0.0]) + radius
     high = np.array([0.5 * enclosure.width, 0.5 * enclosure.depth, enclosure.height]) - radius
-    found = np.zeros((0, 3))
+    found, rounds = np.zeros((0, 3)), 0
     while len(found) < count:
         points = rng.uniform(low, high, size=(2 * count, 3))
-        found = np.concatenate([found, points[enclosure.clearance(points) > radius]])
+        rounds += 1
+        least = radius * 0.5 ** (rounds // _ROUNDS)
+        found = np.concatenate([found, points[enclosure.clearance(points) > least]])
     return found[:count].copy()
 
 
