@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from damper3d.case.case import DamperCase
 from damper3d.case.level import level_of
 from damper3d.case.random_packing import CLOSE_PACKING, LOOSE_PACKING, close_packing, loose_packing
-from damper3d.shapes.multisphere import MultiSphere, sphere
+from damper3d.shapes.multisphere import MultiSphere
 from damper3d.view.scene import view_of
 from damper3d.view.shape import lit_triangles
 from damper3d.view.spheres import section
@@ -118,9 +118,10 @@ def _particles(case: DamperCase) -> Panel:
     for sort in case.bed.sorts[:_FEW]:
         low, mean, high = (2e3 * f(sort.radius) for f in (np.min, np.mean, np.max))
         span = f"{low:.3g} to {high:.3g} mm" if high > low else f"{mean:.3g} mm"
-        drawn = _lit(sphere(float(sort.radius.mean())))
+        drawn = _lit(sort.of_size(float(sort.radius.mean())))
         shapes.append((drawn, f"{len(sort.radius)} of {sort.material.name}\n{span}"))
-    return side_by_side(f"{len(case.bed.sorts)} kinds of spheres, each at its mean size", shapes)
+    what = "spheres" if case.bed.of_spheres else "particles"
+    return side_by_side(f"{len(case.bed.sorts)} kinds of {what}, each at its mean size", shapes)
 
 
 def _lit(particle: MultiSphere) -> list[Filled]:

@@ -190,6 +190,16 @@ def clusters_page(tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="session")
+def mixture_page(tmp_path_factory) -> Path:
+    """The same of a mixture: half of them of three spheres, half of two, in two sizes."""
+    from damper3d.view.player.page import player_page
+
+    folder = tmp_path_factory.mktemp("mixture-page")
+    run = write_fake_damper_run(folder / "made", clusters=True, unlike=True)
+    return _page(folder, run, player_page)
+
+
+@pytest.fixture(scope="session")
 def small_damper_page(damper_reference, tmp_path_factory) -> Path:
     """The page of the small damper that was simulated, with its contacts."""
     from damper3d.view.player.page import player_page

@@ -166,14 +166,18 @@ def test_a_small_disc_is_drawn_round(small_silo_page, open_page):
     assert hausdorff_distance(Polygon(circle).exterior, Polygon(drawn).exterior) <= 0.3 + 1e-6
 
 
-def test_multi_sphere_particles_are_drawn_as_they_lie(clusters_page, open_page, tmp_path):
+@pytest.mark.parametrize("name", ["clusters_page", "mixture_page"])
+def test_multi_sphere_particles_are_drawn_as_they_lie(name, request, open_page):
     """One alone, enlarged: the pixels are those of its sub-spheres' discs, turned as it is.
 
-    The mesh cuts corners between its triangles: some per cent of the area.
+    The mesh cuts corners between its triangles: some per cent of the area. The last two of a
+    mixture are of another shape, in two sizes.
     """
-    scene = damper_scene(clusters_page.parent / "made")
-    shown = open_page(clusters_page)
-    for particle, frame in ((4, 0), (11, 7), (30, 13)):
+    page = request.getfixturevalue(name)
+    scene = damper_scene(page.parent / "made")
+    shown = open_page(page)
+    last = len(scene.radius) - 1
+    for particle, frame in ((4, 0), (11, 7), (last - 1, 13), (last, 2)):
         shown.run(
             "([k, frame]) => { const { view } = player; view.fromTheNearest = () => [k];"
             " view.count = 1; view.drawFaces = view.drawEdges = view.marks.draw = () => {};"
@@ -191,7 +195,7 @@ def test_multi_sphere_particles_are_drawn_as_they_lie(clusters_page, open_page, 
         discs = [("disc", [place[:2], scale * r])
                  for place, r in zip(places, radius[whose == particle], strict=True)]  # fmt: skip
         wanted = mask_of(image, discs)
-        assert wanted.sum() > 3000
+        assert wanted.sum() > 2000
         assert common(painted(image), wanted) > 0.93, particle
 
 

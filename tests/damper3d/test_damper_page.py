@@ -124,6 +124,29 @@ def test_multi_sphere_particles_have_orientations_a_surface_and_no_stress(tmp_pa
     assert "stress" not in page.arrays
 
 
+def test_kinds_of_a_mixture_have_surfaces_of_their_own_at_the_scale_of_each(tmp_path):
+    """Three spheres, and two in two sizes: corners lie on the spheres of their kind alone."""
+    folder = write_fake_damper_run(tmp_path / "mixture", clusters=True, unlike=True).path
+    scene, page = page_of(folder)
+    arrays = page.arrays
+    assert arrays["form"].tolist() == scene.kind.tolist()
+    arm, radius, whose = scene.own_spheres
+    begun = corner = triangle = 0
+    for kind, (spheres, triangles) in enumerate(
+        zip(arrays["sphere_end"].astype(int), arrays["surface_end"].astype(int), strict=True)
+    ):
+        rows = arrays["sphere"][begun:spheres]
+        for one in np.flatnonzero(scene.kind == kind):
+            own = np.column_stack([arm, radius])[whose == one]
+            np.testing.assert_allclose(arrays["scale"][one] * rows, own, atol=1e-7)
+        last = int(arrays["surface_triangle"][3 * triangle : 3 * triangles].max()) + 1
+        corners = arrays["surface_corner"][corner:last]
+        away = np.linalg.norm(corners[:, None] - rows[:, :3], axis=2) - rows[:, 3]
+        assert np.abs(away.min(axis=1)).max() < 2e-6
+        begun, corner, triangle = spheres, last, triangles
+    assert corner == len(arrays["surface_corner"])
+
+
 @pytest.mark.parametrize(
     ("shape", "keys", "sharp", "round_"),
     [

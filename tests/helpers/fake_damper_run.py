@@ -53,11 +53,12 @@ def write_fake_damper_run(
     diameter: float = 3e-3,
     until: int | None = None,
     clusters: bool = False,
+    unlike: bool = False,
 ) -> RunFolder:
     """Write a run of some dozens of spheres; `samples` and `frames` (0: none) of each cycle.
 
     One that is not `finished` may have come to sample `until` only. As `clusters` the particles
-    are OFFSETS and RADII of them, which turn about (1, 2, 2)/3.
+    are OFFSETS and RADII of them, which turn about (1, 2, 2)/3; `unlike`: see _unlike.
     """
     height, clearance = 20e-3, 6e-3
     discard = min(discard, cycles - 1)
@@ -78,7 +79,7 @@ def write_fake_damper_run(
                          discard, samples, frames, keep))  # fmt: skip
     static = {"radius": np.full(len(start), diameter / 2), "mass": mass}
     if clusters:
-        static |= {"sphere_offset": OFFSETS, "sphere_radius": RADII}
+        static |= _unlike(static["radius"]) if unlike else _ALIKE
     fill = len(start) * np.pi / 6 * diameter**3 / (np.pi / 4 * 20e-3**2 * height)
     attributes = {
         "wall_names": json.dumps(names), "fill_ratio": fill, "frequency": frequency,
@@ -107,6 +108,26 @@ def write_fake_damper_run(
         if keep == "summary":
             (folder / "trajectory.h5").unlink()
     return run
+
+
+_ALIKE = {"sphere_offset": OFFSETS, "sphere_radius": RADII}
+_PAIR = np.array([[0.0, 0.8e-3, 0.0], [0.0, -0.8e-3, 0.0]]), np.array([0.7e-3, 0.6e-3])  # m
+_SMALLER = 0.8
+
+
+def _unlike(radius: np.ndarray) -> dict[str, np.ndarray]:
+    """Of a mixture: the first half as above, the others of two spheres, each second one smaller."""
+    later = np.arange(len(radius)) >= len(radius) // 2
+    small = later & (np.arange(len(radius)) % 2 == 0)
+    offset, own = _PAIR
+    return {
+        "radius": np.where(small, _SMALLER, 1.0) * radius,
+        "kind": later.astype(np.int64),
+        "sphere_offset": np.concatenate([OFFSETS, offset, _SMALLER * offset]),
+        "sphere_radius": np.concatenate([RADII, own, _SMALLER * own]),
+        "sphere_row": np.where(small, 5, np.where(later, 3, 0)),
+        "sphere_count": np.where(later, 2, 3),
+    }
 
 
 def _lattice(diameter: float, across: float, deep: float, high: float) -> np.ndarray:

@@ -155,25 +155,37 @@ class _Recorder:
         }
 
     def _shapes(self, frames: NDArray[np.int64]) -> dict[str, Quantised]:
-        """Orientations and the surface of multi-sphere particles."""
-        scene, static = self.scene, self.scene.trajectory.static
+        """Orientations of multi-sphere particles, and the surface and spheres of each kind.
+
+        Those of a kind have one shape, each at its own scale.
+        """
+        scene = self.scene
         if not scene.of_many_spheres:
             return {}
         turns = np.array([scene.orientation(frame) for frame in frames])
         # A rotation has two quaternions: the one that is nearer to that of the frame before.
         flips = np.sign((turns[1:] * turns[:-1]).sum(axis=2))
         turns[1:] *= np.cumprod(np.where(flips == 0.0, 1.0, flips), axis=0)[:, :, None]
-        cells = np.sqrt(_TRIANGLES / len(scene.radius) / OF_A_CELL)
-        surface = skin(
-            static["sphere_offset"], static["sphere_radius"], int(np.clip(cells, *_CELLS))
-        )
-        spheres = np.column_stack([static["sphere_offset"], static["sphere_radius"]])
+        cells = int(np.clip(np.sqrt(_TRIANGLES / len(scene.radius) / OF_A_CELL), *_CELLS))
+        offset, radius, whose = scene.own_spheres
+        lead = np.unique(scene.kind, return_index=True)[1]
+        own = [whose == one for one in lead]
+        surfaces = [skin(offset[one], radius[one], cells) for one in own]
+        corners = [len(one.corners) for one in surfaces]
+        triangles = [one.triangles + begin for one, begin in zip(
+            surfaces, np.cumsum(corners) - corners, strict=True
+        )]  # fmt: skip
+        spheres = [np.column_stack([offset[one], radius[one]]) for one in own]
         return {
             "turn": linear(turns.reshape(len(frames), -1), _TURNS, order=2),
-            "sphere": linear(spheres, 0.0),
-            "surface_corner": linear(surface.corners, 0.0),
-            "surface_normal": linear(surface.normals, 1e-3),
-            "surface_triangle": counted(surface.triangles.ravel()),
+            "form": counted(scene.kind),
+            "scale": linear(scene.radius / scene.radius[lead][scene.kind], 0.0),
+            "sphere": linear(np.concatenate(spheres), 0.0),
+            "sphere_end": counted(np.cumsum([len(one) for one in spheres])),
+            "surface_corner": linear(np.concatenate([one.corners for one in surfaces]), 0.0),
+            "surface_normal": linear(np.concatenate([one.normals for one in surfaces]), 1e-3),
+            "surface_triangle": counted(np.concatenate(triangles).ravel()),
+            "surface_end": counted(np.cumsum([len(one) for one in triangles])),
         }
 
     def _colour(self, recording: Recording, frames: NDArray[np.int64]) -> None:

@@ -99,6 +99,7 @@ export const SURFACES = {
 layout(location = 2) in vec4 turn;     // unit quaternion (w, x, y, z), in steps
 layout(location = 3) in vec3 corner;   // of the particle's surface, about its centre
 layout(location = 4) in vec3 outward;
+layout(location = 5) in float scale;   // of this particle
 uniform vec2 turnScale;                // low and step
 out vec3 normal, point;
 flat out vec3 colour;
@@ -108,7 +109,7 @@ vec3 turned(vec3 arm) {
 }
 void main() {
   vec3 centre = centreOf();
-  point = centre + camera * turned(corner);
+  point = centre + scale * (camera * turned(corner));
   normal = camera * turned(outward);
   colour = gl_InstanceID == picked ? vec3(1.0, 0.25, 0.1) : colourAt(centre);
   gl_Position = onStage(point);

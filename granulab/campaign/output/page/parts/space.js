@@ -28,7 +28,8 @@ export class Space {
     this.count = arrays.radius.integers.length;
     this.radii = Float32Array.from({ length: this.count }, (_, k) => arrays.radius.at(k));
     this.turns = arrays.turn ?? null;
-    this.arms = this.turns ? this.armsOfSpheres() : [{ arm: [0, 0, 0], radius: null }];
+    this.scales = this.turns && valuesOf(arrays.scale);
+    this.arms = this.turns ? this.armsOfSpheres() : [];
     this.marks = new Marks(this);
     this.inLab = true;
     this.cut = { axis: "none", part: 0.5 };
@@ -37,12 +38,14 @@ export class Space {
     this.fit();
   }
 
+  /** Spheres of each form of particle: where they are, and how large. */
   armsOfSpheres() {
-    const { sphere } = this.arrays; // (spheres, 4): offset and radius
-    return Array.from({ length: sphere.rows }, (_, k) => ({
+    const { sphere, sphere_end: end } = this.arrays; // (spheres, 4): offset and radius
+    const all = Array.from({ length: sphere.rows }, (_, k) => ({
       arm: [0, 1, 2].map((axis) => sphere.at(k, axis)),
       radius: sphere.at(k, 3),
     }));
+    return Array.from({ length: end.rows }, (_, k) => all.slice(k ? end.at(k - 1) : 0, end.at(k)));
   }
 
   /** Programs and what does not change. */
@@ -55,7 +58,8 @@ export class Space {
     for (const [name, source] of Object.entries(sources)) {
       this.programs[name] = compiled(gl, source);
     }
-    this.moving = { place: gl.createBuffer(), tone: gl.createBuffer(), more: gl.createBuffer() };
+    const names = ["place", "tone", "more", "scale"];
+    this.moving = Object.fromEntries(names.map((name) => [name, gl.createBuffer()]));
     this.particles = gl.createVertexArray();
     gl.bindVertexArray(this.particles);
     attribute(gl, this.moving.place, 0, 3, gl.UNSIGNED_SHORT, 1);
@@ -64,6 +68,7 @@ export class Space {
       attribute(gl, this.moving.more, 2, 4, gl.UNSIGNED_SHORT, 1);
       attribute(gl, filled(gl, valuesOf(arrays.surface_corner)), 3, 3, gl.FLOAT, 0);
       attribute(gl, filled(gl, valuesOf(arrays.surface_normal)), 4, 3, gl.FLOAT, 0);
+      attribute(gl, this.moving.scale, 5, 1, gl.FLOAT, 1);
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
       gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, arrays.surface_triangle.integers, gl.STATIC_DRAW);
     } else {
@@ -227,27 +232,36 @@ export class Space {
     const at = this.use(whole ? "particles" : "cut", frame);
     const order = this.fromTheNearest(frame);
     gl.bindVertexArray(this.particles);
-    upload(gl, this.moving.place, inOrder(place.row(frame), order, 3));
-    upload(gl, this.moving.tone, inOrder(tones, order, 1));
-    upload(gl, this.moving.more, turns ? inOrder(turns.row(frame), order, 4)
-      : inOrder(this.radii, order, 1));
     gl.uniform3f(at("low"), place.low, place.low, place.low);
     gl.uniform3f(at("step_"), place.step, place.step, place.step);
     const part = network ? theme.pale : 1; // under a network of forces colours are paler
     const shown = colours.flatMap((colour) =>
       rgb(colour).map((value, k) => part * value / 255 + (1 - part) * paper[k]));
     gl.uniform3fv(at("colours"), shown);
-    gl.uniform1i(at("picked"), picked < 0 ? -1 : order.indexOf(picked));
     gl.uniform4fv(at("cut"), this.cutSeen(frame));
     gl.uniform1f(at("front"), this.front);
+    const prepared = (some) => {
+      upload(gl, this.moving.place, inOrder(place.row(frame), some, 3));
+      upload(gl, this.moving.tone, inOrder(tones, some, 1));
+      gl.uniform1i(at("picked"), picked < 0 ? -1 : some.indexOf(picked));
+    };
     if (!turns) {
+      prepared(order);
+      upload(gl, this.moving.more, inOrder(this.radii, order, 1));
       gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.count);
       return;
     }
+    const { form, surface_end: end } = this.arrays;
     gl.uniform2f(at("turnScale"), turns.low, turns.step);
     if (whole) gl.enable(gl.CULL_FACE);
-    gl.drawElementsInstanced(gl.TRIANGLES, this.arrays.surface_triangle.integers.length,
-      gl.UNSIGNED_SHORT, 0, this.count);
+    for (let k = 0, begin = 0; k < end.rows; begin = end.at(k++)) {
+      const some = order.filter((particle) => form.at(particle) === k);
+      prepared(some);
+      upload(gl, this.moving.more, inOrder(turns.row(frame), some, 4));
+      upload(gl, this.moving.scale, inOrder(this.scales, some, 1));
+      gl.drawElementsInstanced(gl.TRIANGLES, 3 * (end.at(k) - begin), gl.UNSIGNED_SHORT, 6 * begin,
+        some.length);
+    }
     gl.disable(gl.CULL_FACE);
   }
 
@@ -335,8 +349,9 @@ export class Space {
     const centre = this.place(particle, frame);
     if (!this.turns) return [[centre, this.radii[particle]]];
     const q = [0, 1, 2, 3].map((k) => this.turns.at(frame, 4 * particle + k));
-    return this.arms.map(({ arm, radius }) =>
-      [combined([1, centre], [1, turned(q, arm)]), radius]);
+    const scale = this.scales[particle];
+    return this.arms[this.arrays.form.at(particle)].map(({ arm, radius }) =>
+      [combined([1, centre], [scale, turned(q, arm)]), scale * radius]);
   }
 }
 
