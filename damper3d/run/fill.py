@@ -14,7 +14,7 @@ from damper3d.engine.motions import at_rest
 from damper3d.engine.simulation import Simulation
 from damper3d.engine.state import World
 from damper3d.engine.world import build_world
-from damper3d.run.packing import Packing, lowest, packing_fraction
+from damper3d.run.packing import Packing, packing_fraction
 from granulab.campaign.runs.sharing import shared_by
 from granulab.errors import InputError
 
@@ -132,7 +132,7 @@ def packed(case: DamperCase, sim: Simulation, cpu_s: float) -> Packing:
     return Packing(
         state=sim.save(),
         fraction=packing_fraction(frame["x"], volumes, case.enclosure, up),
-        height=sim.top(up) - lowest(case.enclosure, up),
+        height=sim.top(up) - case.enclosure.lowest(up),
         coordination=ends / sim.n_particles,
         rms_speed=float(np.sqrt((frame["v"] ** 2).sum(axis=1).mean())),
         cpu_s=cpu_s,

@@ -47,16 +47,6 @@ def load_packing(folder: Path) -> Packing | None:
     return loaded(folder, lambda arrays, meta: Packing(arrays, **meta), REFILLED)
 
 
-def lowest(enclosure: Enclosure, up: np.ndarray) -> float:
-    """The least of up . x in the enclosure [m]; up (3,) is a unit vector."""
-    return enclosure.lowest(up)
-
-
-def volume_below(enclosure: Enclosure, up: np.ndarray, level: float) -> float:
-    """Volume of the enclosure where up . x < level [m3]."""
-    return enclosure.volume_below(up, level)
-
-
 def packing_fraction(
     centres: np.ndarray, volumes: float | np.ndarray, enclosure: Enclosure, up: np.ndarray
 ) -> float:
@@ -73,4 +63,4 @@ def packing_fraction(
     radius = (0.75 * np.broadcast_to(volumes, len(order))[order] / np.pi) ** (1 / 3)
     deep = np.clip(level - heights + radius, 0.0, 2.0 * radius)  # of each sphere, below the level
     inside = float((np.pi * deep**2 * (radius - deep / 3.0)).sum())
-    return inside / volume_below(enclosure, up, level)
+    return inside / enclosure.volume_below(up, level)

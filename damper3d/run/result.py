@@ -9,7 +9,6 @@ from damper3d.case.case import DamperCase
 from damper3d.case.host.host import COUNTED, FORGOTTEN, cycles_until
 from damper3d.measures import efficiency, excitation, host, response
 from damper3d.measures.counted import Cycles, harmonics
-from damper3d.run.packing import lowest
 from damper3d.run.steady import (
     BLOCK,
     ENOUGH_BLOCKS,
@@ -130,7 +129,7 @@ def summarise(case: DamperCase, samples: Trajectory) -> dict[str, Any]:
         **measured,
         "efficiency_interval": _interval(eta, run.steady),
         **response.numbers(cycles),
-        "bed_height_m": response.bed_height(counted, up, lowest(case.enclosure, up)),
+        "bed_height_m": response.bed_height(counted, up, case.enclosure.lowest(up)),
         "max_impact_over_yield_velocity": efficiency.impact_ratios(counted, case.yield_velocity),
         "impacts_beyond_yield": efficiency.impacts_beyond_yield(counted, case.yield_velocity),
         "hertz_validity": efficiency.hertz_validities(counted, case.wave_speed),

@@ -16,7 +16,7 @@ from damper3d.engine.growth import spheres
 from damper3d.engine.growth.spheres import cells_over, grow, push_pairs
 from damper3d.run import packing as packing_module
 from damper3d.run.fill import fill, random_start, resting
-from damper3d.run.packing import lowest, packing_folder, packing_fraction, volume_below
+from damper3d.run.packing import packing_folder, packing_fraction
 from damper3d.studies.pack.shaken import shake_down
 from granulab.errors import InputError
 
@@ -176,7 +176,7 @@ def test_the_settled_bed_presses_with_its_weight(orientation, down):
     if orientation != "horizontal":
         speeds = np.linalg.norm(bed.state["velocity_now"][:, :3], axis=1)
         assert np.median(speeds) < 1e-3
-    lower = bed.state["position"][:, :3] @ -down - lowest(case.enclosure, -down)
+    lower = bed.state["position"][:, :3] @ -down - case.enclosure.lowest(-down)
     assert RADIUS * 0.999 < lower.min() < RADIUS * 1.02
     assert lower.max() + RADIUS == pytest.approx(bed.height)
 
@@ -254,22 +254,20 @@ def test_volume_below_a_level_is_the_closed_form(level):
     Of the 64 cells a side those that the round wall cuts count by a part, as if it were flat.
     """
     own, r = cylinder(0.04, 0.05), 0.02
-    assert volume_below(own, UP, level) == pytest.approx(math.pi * r**2 * level, rel=5e-4)
+    assert own.volume_below(UP, level) == pytest.approx(math.pi * r**2 * level, rel=5e-4)
     t = 1 - level / r
     segment = r**2 * (math.acos(t) - t * math.sqrt(1 - t * t)) * 0.05
-    assert volume_below(own, SIDEWAYS, level - r) == pytest.approx(segment, rel=3e-3)
-    assert volume_below(box(0.04, 0.03, 0.05), UP, level) == pytest.approx(
-        1.2e-3 * level, rel=1e-12
-    )
+    assert own.volume_below(SIDEWAYS, level - r) == pytest.approx(segment, rel=3e-3)
+    assert box(0.04, 0.03, 0.05).volume_below(UP, level) == pytest.approx(1.2e-3 * level, rel=1e-12)
 
 
 def test_lowest_point_of_an_enclosure_in_any_orientation():
     tilted = np.array([0.6, 0.0, 0.8])
-    assert lowest(cylinder(0.04, 0.05), UP) == 0.0
-    assert lowest(cylinder(0.04, 0.05), -UP) == -0.05
-    assert lowest(cylinder(0.04, 0.05), SIDEWAYS) == -0.02
-    assert lowest(cylinder(0.04, 0.05), tilted) == pytest.approx(-0.012)
-    assert lowest(box(0.04, 0.06, 0.05), np.array([0.0, 1.0, 0.0])) == -0.03
+    assert cylinder(0.04, 0.05).lowest(UP) == 0.0
+    assert cylinder(0.04, 0.05).lowest(-UP) == -0.05
+    assert cylinder(0.04, 0.05).lowest(SIDEWAYS) == -0.02
+    assert cylinder(0.04, 0.05).lowest(tilted) == pytest.approx(-0.012)
+    assert box(0.04, 0.06, 0.05).lowest(np.array([0.0, 1.0, 0.0])) == -0.03
 
 
 def test_a_cubic_lattice_has_a_packing_fraction_of_pi_over_six(monkeypatch):
