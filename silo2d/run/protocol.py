@@ -189,6 +189,12 @@ def get_packing(
             warn=warn,
         )
     stages.finish("filling")
+    level, top = case.settings.fill.level, packing.poses[:, 1].max(initial=0.0)
+    if top < level - 2 * case.shapes.bounding_radius:
+        warn(
+            f"the bed ends at {top * 1e3:.3g} mm, more than a particle below [fill] level = "
+            f"{level * 1e3:g} mm; give the level that it has, or another seed"
+        )
     return packing
 
 
