@@ -107,6 +107,7 @@ def open_door(sim: Simulation, case: SiloCase, packing: Packing, clock: Clock) -
     elif speed is None:
         for door in doors:
             sim.remove_wall(door)
+        sim.world.account[state.CARRIED_OUT] = 0.0  # of the doors: not of the discharge
     else:
         sim.draw_door(doors[-1], speed)
     # With what the springs of contacts with the door held: that counts as friction already.
