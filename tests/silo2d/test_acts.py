@@ -12,9 +12,15 @@ from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import read_trajectory
 from granulab.errors import Stopped
 from silo2d.case.case import SiloCase
+from silo2d.engine.simulation import Simulation
 from silo2d.measures import residence, stickslip
 from silo2d.measures.basics.particles import in_silo
-from silo2d.run.protocol import run
+from silo2d.run import discharge
+from silo2d.run.beds.acts import Acts
+from silo2d.run.discharge import check_rim, open_door
+from silo2d.run.ending import Clock
+from silo2d.run.packing import Packing
+from silo2d.run.protocol import run, world_behind_door
 from silo2d.view.report import echo
 from silo2d.view.scene import read_scene
 
@@ -224,3 +230,63 @@ def test_particles_of_the_store_are_in_no_measure_before_they_are_in_the_silo(tm
     assert found["n_out"] + found["n_staying"] == filled
     assert sum(one["n_out"] for one in found["by_column"]) == found["n_out"]
     assert not (in_silo(read_scene(folder)) & ~frames["inside"]).any()
+
+
+SHAKEN = {"flow.vibration_amplitude": "6 mm", "flow.vibration_frequency": "45 Hz"}
+
+
+def opened(changes, *poses):
+    """A4 with particles of its first kind at poses, just opened: case, simulation and acts."""
+    case = SiloCase.load("A4", changes)
+    packing = Packing(np.zeros(len(poses), np.int64), np.array(poses), None, 0.0, "dem", 0.0)
+    sim = Simulation(world_behind_door(case, packing))
+    open_door(sim, case, packing, Clock())
+    return case, sim, Acts.of(case, packing, sim)
+
+
+def test_a_gate_that_vibrates_takes_what_stands_where_it_closes():
+    """After a quarter period the door is 6 mm above its place, and 3 mm deep in the particle."""
+    shape = SiloCase.load("A4").shapes.shapes[0]
+    foot = shape.spheroradius - shape.core[:, 1].min()
+    quarter = 1 / 45 / 4
+    _, sim, acts = opened(SHAKEN | {"flow.gate_times": [f"{quarter} s"]}, (0.0, foot + 3e-3, 0.0))
+    sim.run(acts.gate[0])
+    acts.act(sim)
+    assert (sim.n_out, len(sim.live)) == (1, 0)
+
+
+def test_what_is_put_on_a_shaken_bed_keeps_clear_of_the_walls():
+    """By the amplitude: they come so far."""
+    flat = {"silo.angle": "0 deg", "silo.outlet": "60 mm", "flow.refill": 9}
+    case, _, acts = opened(SHAKEN | flat, (0.0, 0.1, 0.0))
+    radius = case.shapes.bounding_radius
+    found = acts.surface.places(np.zeros((0, 2)), np.zeros(0), np.full(99, radius))
+    assert np.abs(found[:, 0]).max() <= 0.15 - radius - 6e-3
+    assert found[:, 1].min() >= radius + 6e-3
+
+
+WINDOW = [[[150, 200], [150, 270]]]
+
+
+@pytest.mark.parametrize(
+    ("changes", "pose", "thrown"),
+    [
+        ({}, (0.2, 0.3, 0.0), True),
+        ({}, (-0.2, 0.01, 0.0), True),
+        ({}, (0.14, 0.6, 0.0), False),  # above the rim, in the silo's width
+        (SHAKEN, (0.154, 0.3, 0.0), False),  # at a wall that has moved
+        ({"silo.outlets": WINDOW}, (0.2, 0.25, 0.0), False),  # out of the window
+        ({"silo.outlets": WINDOW}, (0.2, 0.4, 0.0), True),
+    ],
+)
+def test_a_particle_that_left_over_the_rim_is_not_discharged(changes, pose, thrown):
+    """It ends the run at the next look, long before it has fallen to y = 0."""
+    case, sim, acts = opened(changes, pose)
+    if not thrown:
+        check_rim(sim, case)
+        return
+    look = discharge._look
+    assert_refuses(
+        ["A4: [silo] height = 500 mm", "leave over the open top (1 by", "a higher silo"],
+        look, sim, case, acts.packing, Clock(), acts,
+    )  # fmt: skip
