@@ -275,13 +275,17 @@ class SiloCase:
 
     def identity(self) -> dict[str, Any]:
         """Identity of a run, which names its folder: all that its results depend on."""
+        parts = list(self.shapes.parts)
+        numbered = len(set(parts)) == 1 or parts == [str(k + 1) for k in range(len(parts))]
         return {
             "settings": _acting(self.settings),
             **({"disorder": self.disorder} if self.disorder else {}),
             "polygon": self.outline.polygon,
             "outlet": [self.outline.outlet, self.outline.outlet_centre],
             "shapes": shapes_identity(self.shapes),
+            **({} if numbered else {"parts": parts}),
             "surface_density": self.surface_density,
+            **({"length": self.length} if abs(self.length - _USUAL_LENGTH) > 1e-9 else {}),
             "laws": [law_identity(self.particle_law), law_identity(self.wall_law)],
             "time_step": self.time_step,
             "pour_laws": [list(law) for law in self.pour_laws],
@@ -289,6 +293,7 @@ class SiloCase:
         }
 
 
+_USUAL_LENGTH = 0.12  # [m] of the shipped materials; runs of this length are not named by it
 # Keys that a packing or a run is not named by while they are off: folders made before there were
 # such keys keep their names.
 _OFF = {
