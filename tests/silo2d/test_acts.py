@@ -10,6 +10,7 @@ from small_silo import DischargeStop, write_case
 
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import read_trajectory
+from granulab.contact.files.datafile import data_file
 from granulab.errors import Stopped
 from silo2d.case.case import SiloCase
 from silo2d.engine.simulation import Simulation
@@ -20,7 +21,7 @@ from silo2d.run.beds.acts import Acts
 from silo2d.run.discharge import check_rim, open_door
 from silo2d.run.ending import Clock
 from silo2d.run.packing import Packing
-from silo2d.run.protocol import run, world_behind_door
+from silo2d.run.protocol import run, run_digest, world_behind_door
 from silo2d.view.report import echo
 from silo2d.view.scene import read_scene
 
@@ -130,6 +131,10 @@ def test_acts_gone_on_with_end_with_the_same_bits(tmp_path):
             ["gate_times does not go with [run] door_speed"],
         ),
         ({"flow.refill": 10, "run.engine": "pymunk"}, ["[flow] refill", "engine = 'dem'"]),
+        (
+            {"output.wall_interval": "1 ms", "run.engine": "pymunk"},
+            ["[output] wall_interval", "engine = 'dem'"],
+        ),
     ],
 )
 def test_an_act_that_cannot_be(changes, words):
@@ -143,12 +148,27 @@ def test_an_act_that_cannot_be(changes, words):
         ({"flow.gate_times": ["0.3 s"]}, None),
         ({"flow.vibration_amplitude": "1 mm", "flow.vibration_frequency": "5 Hz"}, None),
         ({"law.mu_plates": 0.4, "law.plates_ratio": 0.5}, "A4"),
+        ({"particles.shapes": "shares.toml"}, "A4"),
     ],
 )
-def test_a_silo_with_what_the_paper_has_not_bears_another_name(changes, published):
+def test_a_silo_with_what_the_paper_has_not_bears_another_name(
+    changes, published, tmp_path, monkeypatch
+):
     """Times of a discharge with a gate, a store or vibration are none to compare with."""
+    monkeypatch.chdir(tmp_path)
+    wood = data_file("shapes", "wood19").read_text(encoding="utf-8")
+    Path("shares.toml").write_text(wood.replace("[[shape]]", "[[shape]]\nshare = 7", 1))
     case = SiloCase.load("A4", changes)
     assert (case.label, case.published_name) == ("A4 (changed)", published)
+
+
+@pytest.mark.parametrize(
+    "changes", [{"flow.vibration_direction": "horizontal"}, {"flow.gate_times": ["7 s", "8 s"]}]
+)
+def test_what_never_acts_makes_no_other_silo(changes):
+    """A direction without vibration, and a gate after the end of the run."""
+    case = SiloCase.load("A4", changes)
+    assert (case.label, run_digest(case)) == ("A4", run_digest(SiloCase.load("A4")))
 
 
 def test_a_silo_whose_outlet_is_out_of_the_middle_is_not_the_papers():
