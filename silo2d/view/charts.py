@@ -42,9 +42,9 @@ def discharge_chart(scene: Scene) -> "Figure":
     end = float(scene.time[-1])
     axes.step([0, *times, end], [0, *count, len(count)], where="post", color=INK, lw=1.8)
     axes.set_ylabel("particles out")
-    axes.set_ylim(0, 1.05 * scene.n_particles)
-    axes.axhline(scene.n_particles, color=GREY, lw=0.6)
-    axes.annotate(f"all {scene.n_particles}", (0, scene.n_particles), (4, -3), color=GREY, va="top",
+    axes.set_ylim(0, 1.05 * max(scene.n_bed, len(count)))
+    axes.axhline(scene.n_bed, color=GREY, lw=0.6)
+    axes.annotate(f"all {scene.in_all}", (0, scene.n_bed), (4, -3), color=GREY, va="top",
                   textcoords="offset points")  # fmt: skip
     latest = _published_lines(axes, scene)
     t90 = scene.summary.get("t90_s")

@@ -22,7 +22,8 @@ from silo2d.run.discharge import check_rim, open_door
 from silo2d.run.ending import Clock
 from silo2d.run.packing import Packing
 from silo2d.run.protocol import run, run_digest, world_behind_door
-from silo2d.view.report import echo
+from silo2d.view.charts import discharge_chart
+from silo2d.view.report import echo, report
 from silo2d.view.scene import read_scene
 
 
@@ -60,8 +61,12 @@ def test_a_feeder_takes_its_rate(tmp_path):
 def test_a_store_keeps_the_number_and_is_used_up(tmp_path):
     result, frames = result_of(tmp_path, flow__refill=40)
     inside = frames["inside"].sum(axis=1)
-    at_first = result.n_particles - 40
-    assert inside[0] == at_first
+    at_first = result.n_particles
+    assert (inside[0], result.n_store) == (at_first, 40)
+    assert result.mass_out_kg == pytest.approx(result.mass_kg + result.mass_store_kg, rel=1e-9)
+    assert f"of {at_first} particles and 40 in store out" in report(result)
+    (axes,) = discharge_chart(read_scene(result.run_folder)).axes
+    assert axes.texts[0].get_text() == f"all {at_first} and 40 in store"
     used_up = frames["inside"][:, at_first:].any(axis=1)
     # A look every 10 ms: what left between two looks may be missing.
     while_there = frames["n_out"] < 30
@@ -245,7 +250,7 @@ def test_a_shaken_silo_is_not_called_clear(tmp_path):
 def test_particles_of_the_store_are_in_no_measure_before_they_are_in_the_silo(tmp_path):
     """Residence is of those that were there at the opening; none waits in a band or a column."""
     result, frames = result_of(tmp_path, flow__refill=40)
-    folder, filled = RunFolder(result.run_folder).path, result.n_particles - 40
+    folder, filled = RunFolder(result.run_folder).path, result.n_particles
     found = residence.measure(folder)
     assert found["n_out"] + found["n_staying"] == filled
     assert sum(one["n_out"] for one in found["by_column"]) == found["n_out"]
