@@ -77,10 +77,19 @@ class Scene:
         """Number of doors, the last walls."""
         return sum(name.startswith("door") for name in self.wall_names)
 
+    @property
+    def gate(self) -> list[float]:
+        """Times [s] at which the doors close, open, close ... again; none where they stay away."""
+        return [float(time) for time in self.trajectory.attributes.get("gate_times", ())]
+
+    @property
+    def bearing(self) -> list[str]:
+        """Names of the walls, and of the doors where they close."""
+        return self.wall_names if self.gate else self.wall_names[: len(self.walls)]
+
     def door(self, frame: int) -> NDArray[np.float64]:
         """Rest of a door that is being drawn (1, 2, 2) [m], closed gates, or nothing (0, 2, 2)."""
-        gate = self.trajectory.attributes.get("gate_times", ())
-        if sum(time <= self.time[frame] for time in gate) % 2:
+        if sum(time <= self.time[frame] for time in self.gate) % 2:
             return self.trajectory.static["wall_segments"][-self.n_doors :]
         speed = self.trajectory.attributes.get("door_speed")  # none: it is gone at once
         ends = []
