@@ -22,10 +22,9 @@ from granulab.campaign.output.page.player import (
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.ragged import Tables
 from granulab.campaign.runs.trajectory import stored_tables
-from granulab.contact.files.table import load_table
 from granulab.errors import FolderError, InputError
-from silo2d.case.settings import check_settings, read_settings
 from silo2d.measures.basics.contacts import Moment, moment_at, particle_stress
+from silo2d.measures.basics.particles import prism_length
 from silo2d.run.numbers import dissipated
 from silo2d.view.charts import MECHANISM_COLOURS, wall_styles
 from silo2d.view.scene import WOOD, Scene, read_scene
@@ -169,13 +168,9 @@ class _Recorder:
     def _length(self) -> tuple[str, float]:
         """Unit of a stress and what divides one of the plane [N/m]: the prisms' length [m]."""
         try:
-            case = self.folder / "case.toml"
-            particles = check_settings(read_settings(case), str(case)).particles
-            table = load_table(self.folder / str(particles.materials))
-            length = table.material(particles.names[0]).length
+            return "Pa", prism_length(self.folder)
         except (InputError, FolderError):
-            length = None
-        return ("N/m", 1.0) if length is None else ("Pa", length.value)
+            return "N/m", 1.0
 
     def _curves(self, recording: Recording) -> None:
         scene, trajectory, time = self.scene, self.scene.trajectory, self.scene.time
