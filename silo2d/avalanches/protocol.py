@@ -11,7 +11,7 @@ from typing import Any
 from granulab.campaign.output.files import write_atomic
 from granulab.campaign.runs.checkpoint import save_checkpoint
 from granulab.campaign.runs.folder import RunFolder
-from granulab.campaign.runs.protocol import Runs, Stop, restored
+from granulab.campaign.runs.protocol import Runs, Stop
 from granulab.campaign.runs.provenance import Warn
 from granulab.campaign.runs.stages import Stages
 from silo2d.avalanches.arches import Bed
@@ -26,14 +26,12 @@ from silo2d.avalanches.flow import Ledger, flow
 from silo2d.avalanches.result import Avalanches
 from silo2d.case.plan import compiling, expected_stages
 from silo2d.engine.simulation import Simulation
-from silo2d.run.beds.acts import equip
 from silo2d.run.protocol import (
     PACKAGES,
     get_packing,
     in_shorter_steps,
-    settle_under_own_law,
     sources_of_both,
-    world_behind_door,
+    start_or_resume,
 )
 
 _ROOM = Path(__file__).parent
@@ -50,7 +48,9 @@ def _compute(
     bed = Bed.of(case, get_packing(case.silo, folder.path.resolve().parent, stages, stop, warn))
 
     def begin(halvings: int) -> tuple[Ledger, Callable[[], dict[str, Any]]]:
-        sim, ledger = _start_or_resume(folder, bed, halvings, stages, stop, warn)
+        sim, ledger = start_or_resume(
+            folder, bed.silo, bed.packing, halvings, stages, stop, warn, Ledger
+        )
 
         def go() -> dict[str, Any]:
             outcome = flow(sim, bed, ledger, partial(_keep, folder, sim, ledger), stages, stop)
@@ -66,33 +66,6 @@ def _compute(
 
 def _keep(folder: RunFolder, sim: Simulation, ledger: Ledger) -> None:
     save_checkpoint(folder.checkpoint, sim.save(), dataclasses.asdict(ledger))
-
-
-def _start_or_resume(
-    folder: RunFolder, bed: Bed, halvings: int, stages: Stages, stop: Stop, warn: Warn
-) -> tuple[Simulation, Ledger]:
-    """The silo behind its door in a step halved so often, or as its checkpoint has it."""
-    silo = bed.silo
-    if folder.checkpoint.exists():
-        sim = Simulation(world_behind_door(silo, bed.packing))
-        stages.finish("settling")
-        sim.begin_phase(*silo.laws(sim.n_particles), silo.time_step)
-        equip(sim, silo, bed.packing)
-        if found := restored(folder, sim.restore, Ledger, "its opening", warn):
-            sim.time_step = silo.time_step / 2**found.halvings
-            return sim, found
-    sim = _at_opening(bed, halvings, stages, stop)
-    return sim, Ledger(filling_cpu_s=bed.packing.cpu_s, halvings=halvings)
-
-
-def _at_opening(bed: Bed, halvings: int, stages: Stages, stop: Stop) -> Simulation:
-    """The silo at rest behind its door, in a step halved so often."""
-    step = bed.silo.time_step / 2**halvings
-    sim = Simulation(world_behind_door(bed.silo, bed.packing, step))
-    sim.compile()
-    settle_under_own_law(sim, bed.silo, stages, stop)
-    stages.finish("settling")
-    return sim
 
 
 def _summary(case: AvalancheCase, sim: Simulation, ledger: Ledger, outcome: str) -> dict[str, Any]:

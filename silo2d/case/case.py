@@ -95,7 +95,7 @@ class SiloCase:
     @classmethod
     def resolve(cls, document: dict[str, Any], where: str, folder: Path) -> "SiloCase":
         """A case from the tables of a case file; files it names are looked for in `folder`."""
-        settings = check_settings(document, where)
+        settings = _with_acting_flow(check_settings(document, where))
         shapes_file = find(settings.particles.shapes, "shapes", folder)
         table_file = find(settings.particles.materials, "materials", folder)
         outline = _opened(_outline(settings.silo, settings.name, where), settings, where)
@@ -216,7 +216,8 @@ class SiloCase:
                 [case.settings.fill.friction, case.settings.fill.layer],
                 [case.settings.law.mu_plates, case.settings.law.plates_ratio],
                 case.surface_density,
-                [s.area for s in case.shapes.shapes],
+                [(shape.core.tolist(), shape.spheroradius) for shape in case.shapes.shapes],
+                case.shapes.shares,
             )
             for case in (self, other)
         )
@@ -275,13 +276,17 @@ class SiloCase:
 
     def identity(self) -> dict[str, Any]:
         """Identity of a run, which names its folder: all that its results depend on."""
+        parts = list(self.shapes.parts)
+        numbered = len(set(parts)) == 1 or parts == [str(k + 1) for k in range(len(parts))]
         return {
             "settings": _acting(self.settings),
             **({"disorder": self.disorder} if self.disorder else {}),
             "polygon": self.outline.polygon,
             "outlet": [self.outline.outlet, self.outline.outlet_centre],
             "shapes": shapes_identity(self.shapes),
+            **({} if numbered else {"parts": parts}),
             "surface_density": self.surface_density,
+            **({"length": self.length} if abs(self.length - _USUAL_LENGTH) > 1e-9 else {}),
             "laws": [law_identity(self.particle_law), law_identity(self.wall_law)],
             "time_step": self.time_step,
             "pour_laws": [list(law) for law in self.pour_laws],
@@ -289,6 +294,7 @@ class SiloCase:
         }
 
 
+_USUAL_LENGTH = 0.12  # [m] of the shipped materials; runs of this length are not named by it
 # Keys that a packing or a run is not named by while they are off: folders made before there were
 # such keys keep their names.
 _OFF = {
@@ -361,6 +367,18 @@ def _outline(silo: Silo, name: str, where: str) -> Outline:
             raise InputError("needs a preset ('A4'), or angle and outlet, or an outline")
         size = silo.width or 0.3, silo.height or 0.5
         return dataclasses.replace(hopper(angle, outlet, *size, "hopper"), name=name)
+
+
+def _with_acting_flow(settings: Settings) -> Settings:
+    """The settings without what of [flow] never acts: a gate after the end, a bare direction."""
+    flow, end = settings.flow, settings.run.max_time
+    idle: dict[str, Any] = {}
+    if flow.gate_times:
+        within = zip(flow.gate_times, flow.gate, strict=True)
+        idle["gate_times"] = [text for text, time in within if time < end] or None
+    if flow.vibration_amplitude is None:
+        idle["vibration_direction"] = Flow().vibration_direction
+    return settings.model_copy(update={"flow": flow.model_copy(update=idle)})
 
 
 USUAL_INTERVALS = 0.01, 0.05  # [s] between frames, and those with contacts, of ...

@@ -54,6 +54,12 @@ def spreads(
     physical range would be drawn.
     """
     if settings.disorder.per == "none":
+        for key in QUANTITIES:
+            if not isinstance(getattr(settings.disorder, key), bool):
+                raise InputError(
+                    f"{where}: [disorder] {key}: drawn of nothing; give per = 'particle' or "
+                    "'pair' too, or leave it out"
+                )
         return None
     first, second = (_spread(settings, *both, where) for both in zip(pairs, laws, strict=True))
     return first, second

@@ -13,23 +13,17 @@ _LEVEL = 1e-4  # distance from the lowest or highest point that counts as level,
 _DIGITS = 4  # of millimetres
 
 
-def silo_outline(
-    path: str | Path, unit: str | None = None, layer: str | None = None
-) -> list[list[float]]:
-    """Corners [mm] of the silo in an SVG or DXF file, counter-clockwise, as a case takes them.
-
-    One closed curve; or one open one, which a straight line closes (an open top); or two, its
-    sides, whose lower ends are the outlet's. Lines and arcs that meet are joined, curves are
-    polylines within 5e-4 of their extent, and points that are level but for a ten thousandth of it
-    are made level. unit, layer: see read_drawing. Raises InputError for anything else.
-    """
-    return _drawn(path, unit, layer)[0]
-
-
 def _drawn(
     path: str | Path, unit: str | None, layer: str | None
 ) -> tuple[list[list[float]], dict[str, str]]:
-    """Corners [mm] of the silo of a drawing, and keys of the outlet between two sides."""
+    """Corners [mm] of the silo in an SVG or DXF file, counter-clockwise, as a case takes them.
+
+    One closed curve; or one open one, which a straight line closes (an open top); or two, its
+    sides, whose lower ends are the outlet's: then also the keys of that. Lines and arcs that meet
+    are joined, curves are polylines within 5e-4 of their extent, and points that are level but for
+    a ten thousandth of it are made level. unit, layer: see read_drawing. Raises InputError for
+    anything else.
+    """
     drawing = read_drawing(path, unit, layer)
     assert drawing.unit is not None
     corners, sides = _inside(joined(drawing, str(path)), str(path))

@@ -240,7 +240,11 @@ class Simulation:
         return table
 
     def remove_wall(self, index: int) -> None:
-        """Take a wall away (open a door)."""
+        """Take a wall away (open a door); what its contacts hold is carried out."""
+        self.refresh()
+        self.world.account[state.CARRIED_OUT] += energy_of_contacts(
+            self.world, self.n_particles + index
+        )
         self.world.bodies.layout[self.n_particles + index, [state.N_CORNERS, state.N_EDGES]] = 0
         self.world.counts[state.STALE] = 3
 

@@ -38,6 +38,7 @@ _STEADY = [
     "steady_mass_flow_error_kg_per_s",
     "fano_factor",
 ]
+_NO_PART = "no steady part: at no time do particles leave at a rate near the mean"
 _FEWEST_WINDOWS = 4  # for a Fano factor
 
 
@@ -94,7 +95,8 @@ def moving_rate(times: Series, weights: Series, window: float) -> tuple[Series, 
 
 
 def steady_part(times: Series, mass: Series, window: float | None = None) -> Steady | None:
-    """The part where the flow is steady, for leavers (n,); None where there is no rate."""
+    """The part where the flow is steady, for leavers (n,); None where there is no rate, or none
+    leaves in it, as beside the burst that a gate takes along."""
     window = window or usual_window(times)
     mean = discharge_measures(times, mass)["mean_rate_per_s"]
     if window is None or mean is None:
@@ -111,12 +113,14 @@ def steady_part(times: Series, mass: Series, window: float | None = None) -> Ste
 
 def part_between(
     times: Series, mass: Series, start: float, end: float, window: float, fano: float | None = None
-) -> Steady:
-    """The part of a discharge between two times [s].
+) -> Steady | None:
+    """The part of a discharge between two times [s]; None where nothing leaves between them.
 
     Its Fano factor is of windows [s] of the same part unless given.
     """
     counted = (times >= start) & (times < end)
+    if not counted.any():
+        return None
     fano = _fano(times, start, end, window) if fano is None else fano
     return Steady(float(start), float(end), int(counted.sum()), float(mass[counted].sum()), fano)
 
@@ -176,10 +180,10 @@ def measure(folder: Path, window: float | None = None) -> dict[str, Any]:
 
 def _of(steady: Steady | None) -> dict[str, Any]:
     if steady is None:
-        return dict.fromkeys(_STEADY)
+        return dict.fromkeys(_STEADY) | {"steady_note": _NO_PART}
     rate, flow, off = steady.rate, steady.mass_flow, steady.relative_error
     values = [steady.start, steady.end, rate, off * rate, flow, off * flow, steady.fano]
-    return dict(zip(_STEADY, values, strict=True))
+    return dict(zip(_STEADY, values, strict=True)) | {"steady_note": None}
 
 
 def draw(folder: Path) -> "Figure":
@@ -224,6 +228,8 @@ def _draw_rate(axes: "Axes", numbers: dict[str, Any]) -> None:
         words = f"steady: {steady:.0f} \N{PLUS-MINUS SIGN} {off:.0f} particles/s, {flow:.2f} kg/s"
         axes.plot([numbers["steady_from_s"], numbers["steady_until_s"]], [steady, steady],
                   color=GREEN, lw=1.8, label=words)  # fmt: skip
+    else:
+        axes.plot([], [], ls="none", label="no steady part")
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, borderaxespad=0.2)
     mean_mass = numbers["out_mass_kg"][-1] / numbers["n_out"]
     right = axes.secondary_yaxis("right", functions=(lambda n: n * mean_mass,

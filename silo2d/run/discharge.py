@@ -12,12 +12,20 @@ from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.stages import Stages
 from granulab.campaign.runs.trajectory import TrajectoryWriter
 from granulab.contact.attraction import Attraction
-from granulab.errors import Stopped
+from granulab.errors import InputError, Stopped
 from silo2d.case.case import SiloCase
 from silo2d.engine import state
 from silo2d.engine.simulation import Simulation
 from silo2d.run.beds.acts import Acts, equip
-from silo2d.run.ending import ENERGY_TOLERANCE, LOOK, Clock, discharged, ending, report_progress
+from silo2d.run.ending import (
+    ENERGY_TOLERANCE,
+    LOOK,
+    Clock,
+    Flow,
+    discharged,
+    ending,
+    report_progress,
+)
 from silo2d.run.packing import Packing
 from silo2d.run.pour import normalised_kinetic_energy
 from silo2d.run.rest import Rest
@@ -107,6 +115,7 @@ def open_door(sim: Simulation, case: SiloCase, packing: Packing, clock: Clock) -
     elif speed is None:
         for door in doors:
             sim.remove_wall(door)
+        sim.world.account[state.CARRIED_OUT] = 0.0  # of the doors: not of the discharge
     else:
         sim.draw_door(doors[-1], speed)
     # With what the springs of contacts with the door held: that counts as friction already.
@@ -122,6 +131,7 @@ def _look(
     sim: Simulation, case: SiloCase, packing: Packing, clock: Clock, acts: Acts
 ) -> str | None:
     """The outcome, once there is one. Raises SimulationError where the energy balance is off."""
+    check_rim(sim, case)
     # Nothing is at rest while the door is closed, however slow the particles are.
     moving = math.inf if acts.closed(sim.steps) else motion(sim, case)
     outcome = ending(sim, moving, case, packing, clock)
@@ -132,6 +142,25 @@ def _look(
     # at the end nothing but rounding counts beside it.
     check_energy_balance(sim, case, clock, _ROUNDING if outcome else _NEXT_TO_NOTHING)
     return outcome
+
+
+def check_rim(sim: Flow, case: SiloCase) -> None:
+    """Raise InputError where a particle left over the open top: it would count as discharged.
+
+    It is beside the silo, and higher than what falls there out of an outlet in the side.
+    """
+    outline, shaken = case.outline, case.settings.flow.vibration_amplitude or 0.0
+    outlets = max((float(ends[:, 1].max()) for ends in outline.outlets), default=0.0)
+    x, y = sim.poses()[sim.live, :2].T
+    sides = outline.polygon[:, 0]
+    beside = np.maximum(sides.min() - x, x - sides.max()) > shaken
+    over = beside & (y > outlets + shaken + (2 * case.shapes.bounding_radius if outlets else 0.0))
+    if over.any():
+        raise InputError(
+            f"{case.name}: [silo] height = {outline.height * 1e3:g} mm: particles leave over the "
+            f"open top ({over.sum()} by t = {sim.time:.3g} s), where they are not discharged; give "
+            "a higher silo"
+        )
 
 
 def motion(sim: Simulation, case: SiloCase) -> float:

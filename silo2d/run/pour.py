@@ -16,7 +16,15 @@ import numpy as np
 from granulab.campaign.runs.sharing import shared_by
 from granulab.errors import SimulationError
 from silo2d.case.case import GRAVITY, SiloCase
-from silo2d.case.filling import PITCH, Layer, layers_of, rows_of_rain, stiffened
+from silo2d.case.filling import (
+    LOOSE,
+    PITCH,
+    USUAL_FRACTION,
+    Layer,
+    layers_of,
+    rows_of_rain,
+    stiffened,
+)
 from silo2d.case.outline import Outline
 from silo2d.case.plan import FALLING, collapse, cpu_of_step
 from silo2d.case.shape import ShapeSet
@@ -52,12 +60,28 @@ def rain(
         case.outline, case.shapes, layer or Layer(0.0, case.settings.fill.level, 0.0)
     )
     n = len(positions)
-    kinds = rng.choice(len(case.shapes.shapes), size=n, p=case.shapes.shares)
+    kinds = kinds_of(case.shapes, n, rng)
     poses = np.column_stack([positions, rng.uniform(0, 2 * math.pi, n)])
     if len(case.shapes.shapes) == 1 and len(case.shapes.shapes[0].core) == 1:
         aside = _ASIDE * case.shapes.bounding_radius
         poses[:, :2] += rng.uniform(-aside, aside, (n, 2))
     return kinds, poses, max(top - case.outline.height, 0.0) + PITCH * case.shapes.bounding_radius
+
+
+def kinds_of(shapes: ShapeSet, n: int, rng: np.random.Generator) -> np.ndarray:
+    """Kinds (n,) of the rain: by chance, or each in its share, at random places.
+
+    In its share where sizes differ so much that chance could leave too few large ones to reach the
+    level: within three standard deviations of their summed area.
+    """
+    shares, areas = np.array(shapes.shares), np.array([shape.area for shape in shapes.shapes])
+    scatter = math.sqrt(shares @ (areas / shapes.mean_area - 1) ** 2 / n)
+    if 3 * scatter < 1 - USUAL_FRACTION / LOOSE:
+        return rng.choice(len(areas), size=n, p=shapes.shares)
+    # Systematic sampling, by size: the area is right within that of a largest one.
+    by_size = np.argsort(areas)
+    below = np.cumsum(shares[by_size])[:-1]
+    return rng.permutation(by_size[np.searchsorted(below, (np.arange(n) + rng.uniform()) / n)])
 
 
 def pour(case: SiloCase, seed: int, report: Report) -> Packing:

@@ -4,7 +4,7 @@ import dataclasses
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from granulab.campaign.runs.folder import RunFolder, digest
 from granulab.campaign.runs.protocol import Progress, Runs, Stop, kept, restored
@@ -36,6 +36,7 @@ _SETTLE_PATIENCE = 2.0  # [s]
 _QUIET_LOOKS = 5  # one may fall on a moment when the energy is elastic
 
 Summary = dict[str, Any]
+Ticking = TypeVar("Ticking", bound=Clock)
 
 
 def run_digest(case: SiloCase) -> str:
@@ -65,7 +66,9 @@ def _compute(
 
     def begin(halvings: int) -> tuple[Clock, Callable[[], Summary]]:
         rest = None if case.settings.output.wall_interval is None else Rest()
-        sim, clock = _start_or_resume(folder, case, packing, halvings, stages, stop, warn, rest)
+        sim, clock = start_or_resume(
+            folder, case, packing, halvings, stages, stop, warn, Clock, rest
+        )
         return clock, lambda: _discharged(folder, case, packing, sim, clock, stages, stop, rest)
 
     return in_shorter_steps(folder, case, begin)
@@ -133,28 +136,37 @@ def _by_pymunk(
     return summarise(folder, case, sim, packing, clock, outcome)
 
 
-def _start_or_resume(
+def start_or_resume(
     folder: RunFolder, case: SiloCase, packing: Packing, halvings: int, stages: Stages, stop: Stop,
-    warn: Warn, rest: Rest | None,
-) -> tuple[Simulation, Clock]:  # fmt: skip
-    """The silo behind its door in a step halved so often, or as its checkpoint has it."""
-    resuming = folder.checkpoint.exists()
-    step = case.time_step / 2**halvings
-    sim = _behind_door(case, packing, step)
-    if resuming:
+    warn: Warn, kind: type[Ticking], rest: Rest | None = None,
+) -> tuple[Simulation, Ticking]:  # fmt: skip
+    """The silo at rest behind its door in a step halved so often, or as its checkpoint has it.
+
+    kind: of the clock that its checkpoints hold.
+    """
+    if folder.checkpoint.exists():
+        sim = _behind_door(case, packing, case.time_step / 2**halvings)
         stages.finish("settling")
-        sim.begin_phase(*case.laws(sim.n_particles), step)
+        sim.begin_phase(*case.laws(sim.n_particles), sim.time_step)
         equip(sim, case, packing)
-        if found := restored(folder, sim.restore, Clock, "its opening", warn):
+        if found := restored(folder, sim.restore, kind, "its opening", warn):
             sim.time_step = case.time_step / 2**found.halvings
             return sim, found
-        sim = _behind_door(case, packing, step)
+    sim, cpu_s = at_opening(case, packing, halvings, stages, stop, rest)
+    return sim, kind(filling_cpu_s=packing.cpu_s + cpu_s, halvings=halvings)
+
+
+def at_opening(
+    case: SiloCase, packing: Packing, halvings: int, stages: Stages, stop: Stop,
+    rest: Rest | None = None,
+) -> tuple[Simulation, float]:  # fmt: skip
+    """The silo at rest behind its door, in a step halved so often, and the CPU time it took [s]."""
+    sim = _behind_door(case, packing, case.time_step / 2**halvings)
     sim.compile()
     begun = time.process_time()
     settle_under_own_law(sim, case, stages, stop, rest)
     stages.finish("settling")
-    filling = packing.cpu_s + time.process_time() - begun
-    return sim, Clock(filling_cpu_s=filling, halvings=halvings)
+    return sim, time.process_time() - begun
 
 
 def _behind_door(case: SiloCase, packing: Packing, step: float) -> Simulation:
@@ -189,6 +201,12 @@ def get_packing(
             warn=warn,
         )
     stages.finish("filling")
+    level, top = case.settings.fill.level, packing.poses[:, 1].max(initial=0.0)
+    if top < level - 2 * case.shapes.bounding_radius:
+        warn(
+            f"the bed ends at {top * 1e3:.3g} mm, more than a particle below [fill] level = "
+            f"{level * 1e3:g} mm; give the level that it has, or another seed"
+        )
     return packing
 
 

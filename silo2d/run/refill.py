@@ -20,16 +20,19 @@ class Surface:
     outline   of the silo, high enough for what is put on
     radius    largest bounding radius of the particles [m]
     drop      height [m] above the lowest place that is free at which a particle is put
+    shaken    how far [m] the walls come from where they are drawn
 
     A particle is taken for its bounding circle. It comes to the lowest position that it could be
     let down to from the open top, so that the surface stays level and it falls next to nothing.
     """
 
-    def __init__(self, outline: Outline, radius: float, drop: float = 0.0) -> None:
+    def __init__(
+        self, outline: Outline, radius: float, drop: float = 0.0, shaken: float = 0.0
+    ) -> None:
         from shapely import LineString
 
         self._radius, self._drop, self._top = radius, drop, outline.height - radius
-        free = outline.inside.buffer(-_CLEAR * radius)
+        free = outline.inside.buffer(-_CLEAR * radius - shaken)
         left, bottom, right, top = free.bounds if not free.is_empty else (0.0,) * 4
         n = max(math.ceil(_COLUMNS * (right - left) / radius), 1) + 1
         self._x, floor = np.linspace(left, right, n), []

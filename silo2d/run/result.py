@@ -14,10 +14,13 @@ class Result(Results):
     seed: int
     engine: str
     outcome: Literal["empty", "dead_zones", "clogged", "clogged_at_opening", "time_limit"]
-    n_particles: int
+    n_particles: int  # in the silo at the opening
     n_out: int
-    mass_kg: float
+    mass_kg: float  # in the silo at the opening
     mass_out_kg: float
+    # In store at the opening; of runs of earlier versions the numbers above have it.
+    n_store: int = field(default=0, kw_only=True)
+    mass_store_kg: float = field(default=0.0, kw_only=True)
     # Whether it clogged, and when the last particle left before (0: none did); None in runs of
     # earlier versions.
     clogged: bool | None = field(default=None, kw_only=True)

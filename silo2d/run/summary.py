@@ -34,7 +34,8 @@ def summarise(
         "seed": case.settings.run.seed,
         "engine": case.settings.run.engine,
         "outcome": outcome,
-        "n_particles": sim.n_particles,
+        "n_particles": sim.n_particles - case.settings.flow.refill,
+        "n_store": case.settings.flow.refill,
         "n_out": sim.n_out,
         "packing_fraction": packing.fraction,
         "coordination": packing.coordination,
@@ -59,11 +60,13 @@ def measured(folder: RunFolder, case: SiloCase, outcome: str) -> dict[str, Any]:
     # Where the flow was cut off, the times of those that left before mean nothing; its rate does.
     cut_off = outcome not in ("empty", "dead_zones")
     clogged = outcome.startswith("clogged")
+    bed = len(mass) - case.settings.flow.refill
     # A bed that is shaken does not come to rest, by which a clog is known from a slow flow.
     unknown = outcome == "time_limit" and case.settings.flow.vibration_amplitude is not None
     by_mechanism = all(name in frames for name in MECHANISMS)
     return {
-        "mass_kg": float(mass.sum()),
+        "mass_kg": float(mass[:bed].sum()),
+        "mass_store_kg": float(mass[bed:].sum()),
         "mass_out_kg": float(mass[~np.isnan(out_time)].sum()),
         "discharge_time_s": None if cut_off else measures["last_out_s"],
         "t90_s": None if cut_off else measures["t90_s"],

@@ -42,9 +42,9 @@ def discharge_chart(scene: Scene) -> "Figure":
     end = float(scene.time[-1])
     axes.step([0, *times, end], [0, *count, len(count)], where="post", color=INK, lw=1.8)
     axes.set_ylabel("particles out")
-    axes.set_ylim(0, 1.05 * scene.n_particles)
-    axes.axhline(scene.n_particles, color=GREY, lw=0.6)
-    axes.annotate(f"all {scene.n_particles}", (0, scene.n_particles), (4, -3), color=GREY, va="top",
+    axes.set_ylim(0, 1.05 * max(scene.n_bed, len(count)))
+    axes.axhline(scene.n_bed, color=GREY, lw=0.6)
+    axes.annotate(f"all {scene.in_all}", (0, scene.n_bed), (4, -3), color=GREY, va="top",
                   textcoords="offset points")  # fmt: skip
     latest = _published_lines(axes, scene)
     t90 = scene.summary.get("t90_s")
@@ -160,14 +160,13 @@ def force_chart(scene: Scene) -> "Figure":
     along = second - first
     outwards = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.hypot(*along.T)[:, None]
     pressing = (force * outwards).sum(axis=2)
-    n_walls = len(scene.walls)
-    styles = wall_styles(scene.wall_names[:n_walls])
+    styles = wall_styles(scene.bearing)
     for k, (name, style) in enumerate(styles.items()):
         _thin_and_thick(vertical, scene.time, -force[:, k, 1], label=name, **style)
         _thin_and_thick(normal, scene.time, pressing[:, k], label=name, **style)
-    total = -force[:, :n_walls, 1].sum(axis=1)
+    total = -np.nan_to_num(force[:, :, 1]).sum(axis=1)  # with the doors
     _thin_and_thick(vertical, scene.time, total, label="all walls", color=INK)
-    if np.isfinite(door := -force[0, -1, 1]) and door > 0:
+    if not scene.gate and np.isfinite(door := -force[0, -1, 1]) and door > 0:
         label = f"door, until it opened:\n{door:.3g} N"
         vertical.plot(0, door, "v", color=INK, ms=7, label=label, clip_on=False)
     vertical.set_ylabel("vertical force, downwards [N]")

@@ -82,6 +82,6 @@ class _Canvas:
                 cv2.polylines(image, [outline], True, self.edges[tone], 1, cv2.LINE_AA, _SHIFT)
         self._draw_walls(image, self.scene.door(frame))
         n_out = self.scene.trajectory["n_out"][frame]
-        words = f"{self.scene.time[frame]:.2f} s     {n_out} of {self.scene.n_particles} out"
+        words = f"{self.scene.time[frame]:.2f} s     {n_out} of {self.scene.in_all} out"
         write_words(image, words, _MARGIN, 40, self.font)
         return image

@@ -22,10 +22,9 @@ from granulab.campaign.output.page.player import (
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.ragged import Tables
 from granulab.campaign.runs.trajectory import stored_tables
-from granulab.contact.files.table import load_table
 from granulab.errors import FolderError, InputError
-from silo2d.case.settings import check_settings, read_settings
 from silo2d.measures.basics.contacts import Moment, moment_at, particle_stress
+from silo2d.measures.basics.particles import prism_length
 from silo2d.run.numbers import dissipated
 from silo2d.view.charts import MECHANISM_COLOURS, wall_styles
 from silo2d.view.scene import WOOD, Scene, read_scene
@@ -88,16 +87,16 @@ class _Recorder:
         points, start = static["shape_points"], static["shape_start"]
         outlines = [np.round(part, 7).tolist() for part in np.split(points, start[1:-1])]
         ends = [np.round(wall, 6).tolist() for wall in walls]
-        middles = (
-            np.round(walls.mean(axis=1), 6).tolist() + [None] * scene.n_doors
-        )  # these are away
+        middles = np.round(static["wall_segments"].mean(axis=1), 6).tolist()
+        away = len(scene.wall_names) - len(scene.bearing)
+        middles[len(scene.bearing) :] = [None] * away
         return {
             "name": self.folder.resolve().name,
             "title": name,
             "outcome": outcome,
             "particles": scene.n_particles,
             "clock": {"unit": "s", "factor": 1.0, "digits": 3},
-            "counted": f"of {scene.n_particles} out",
+            "counted": f"of {scene.in_all} out",
             "facts": facts(scene.summary, _FACTS),
             "notes": [],
             "pull_words": "Orange pulls.",
@@ -111,6 +110,8 @@ class _Recorder:
                 "walls": [{"ends": pair} for pair in ends],
                 "lips": np.asarray(scene.trajectory.attributes["lips"]).tolist(),
                 "doorSpeed": scene.trajectory.attributes.get("door_speed"),
+                "doors": np.round(static["wall_segments"][-scene.n_doors :], 6).tolist(),
+                "gateTimes": scene.gate,
             },
         }
 
@@ -167,13 +168,9 @@ class _Recorder:
     def _length(self) -> tuple[str, float]:
         """Unit of a stress and what divides one of the plane [N/m]: the prisms' length [m]."""
         try:
-            case = self.folder / "case.toml"
-            particles = check_settings(read_settings(case), str(case)).particles
-            table = load_table(self.folder / str(particles.materials))
-            length = table.material(particles.names[0]).length
+            return "Pa", prism_length(self.folder)
         except (InputError, FolderError):
-            length = None
-        return ("N/m", 1.0) if length is None else ("Pa", length.value)
+            return "N/m", 1.0
 
     def _curves(self, recording: Recording) -> None:
         scene, trajectory, time = self.scene, self.scene.trajectory, self.scene.time
@@ -182,13 +179,13 @@ class _Recorder:
             spans=_published(scene.summary), steps=True,
         )  # fmt: skip
         if "wall_force" in trajectory:
-            force = -trajectory["wall_force"][:, : len(scene.walls), 1]
-            styles = wall_styles(scene.wall_names[: len(scene.walls)])
+            force = -trajectory["wall_force"][:, :, 1]
+            styles = wall_styles(scene.bearing)
             lines = [
                 Line(name, force[:, k], style["color"], dashed=style["ls"] != "-")
                 for k, (name, style) in enumerate(styles.items())
             ]
-            every = Line("all walls", force.sum(axis=1))
+            every = Line("all walls", np.nan_to_num(force).sum(axis=1))  # with the doors
             recording.add_curve("downward force on the walls", "N", time, [every, *lines])
         if all(name in trajectory for name in MECHANISM_COLOURS):
             by = dissipated(trajectory)

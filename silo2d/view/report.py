@@ -210,7 +210,8 @@ def _door(case: SiloCase) -> list[str]:
 
 def report(result: Result) -> str:
     """The results of a run with the published values."""
-    out = f"{result.n_out} of {result.n_particles} particles out"
+    store = f" and {result.n_store} in store" if result.n_store else ""
+    out = f"{result.n_out} of {result.n_particles} particles{store} out"
     when = "" if not result.clogged_after_s else f" after {result.clogged_after_s:.3f} s"
     lines = [f"{result.silo}, seed {result.seed}: {_OUTCOMES[result.outcome]}{when}, {out}"]
     lines.append(f"  discharge time   {_time(result.discharge_time_s)}   {_published(result)}")

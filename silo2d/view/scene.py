@@ -53,8 +53,19 @@ class Scene:
 
     @property
     def n_particles(self) -> int:
-        """Number of particles at the opening."""
+        """Number of particles, those in store included."""
         return len(self.trajectory.static["kind"])
+
+    @cached_property
+    def n_bed(self) -> int:
+        """Number of particles in the silo at the opening."""
+        return int(self.trajectory["inside"][0].sum())
+
+    @property
+    def in_all(self) -> str:
+        """Number of particles in the bed, and in store where there is one, in words."""
+        store = self.n_particles - self.n_bed
+        return f"{self.n_bed} and {store} in store" if store else str(self.n_bed)
 
     @property
     def walls(self) -> NDArray[np.float64]:
@@ -66,10 +77,19 @@ class Scene:
         """Number of doors, the last walls."""
         return sum(name.startswith("door") for name in self.wall_names)
 
+    @property
+    def gate(self) -> list[float]:
+        """Times [s] at which the doors close, open, close ... again; none where they stay away."""
+        return [float(time) for time in self.trajectory.attributes.get("gate_times", ())]
+
+    @property
+    def bearing(self) -> list[str]:
+        """Names of the walls, and of the doors where they close."""
+        return self.wall_names if self.gate else self.wall_names[: len(self.walls)]
+
     def door(self, frame: int) -> NDArray[np.float64]:
         """Rest of a door that is being drawn (1, 2, 2) [m], closed gates, or nothing (0, 2, 2)."""
-        gate = self.trajectory.attributes.get("gate_times", ())
-        if sum(time <= self.time[frame] for time in gate) % 2:
+        if sum(time <= self.time[frame] for time in self.gate) % 2:
             return self.trajectory.static["wall_segments"][-self.n_doors :]
         speed = self.trajectory.attributes.get("door_speed")  # none: it is gone at once
         ends = []
@@ -136,12 +156,12 @@ class Scene:
             silo += f", {engine}"
         n_out = self.trajectory["n_out"][-1]
         if not self.summary:
-            return f"{silo}: unfinished, {n_out} of {self.n_particles} out by {self.time[-1]:.2f} s"
+            return f"{silo}: unfinished, {n_out} of {self.in_all} out by {self.time[-1]:.2f} s"
         outcome = self.summary["outcome"]
         how = _OUTCOMES.get(outcome, outcome)
         end = self.summary.get("discharge_time_s")
         if end is None:
-            return f"{silo}: {how}, {n_out} of {self.n_particles} out"
+            return f"{silo}: {how}, {n_out} of {self.in_all} out"
         last = " after" if outcome == "empty" else "; the last particle left at"
         return f"{silo}: {how}{last} {end:.2f} s"
 

@@ -82,6 +82,22 @@ def test_the_network_and_the_forces_of_the_walls_are_drawn_and_said(small_silo_p
     assert "N" in table
 
 
+def test_a_gate_is_drawn_while_it_is_closed(silo_page, open_page):
+    """A line from lip to lip, and nothing else, from its first time to its second."""
+    shown, pictures = open_page(silo_page), []
+    shown.run("player.show(20)")  # 0.2 s
+    for times in ([], [0.1, 0.3], [0.1, 0.15]):
+        shown.run("(times) => { player.view.scene.gateTimes = times; player.show(20); }", times)
+        shown.shown()
+        pictures.append(pixels(shown))
+    away, closed, open_again = pictures
+    lips = np.array(shown.run("player.view.scene.lips.map((at) => player.view.project(at))"))
+    rows, columns = np.nonzero(painted(closed, away))
+    assert np.ptp(columns) == pytest.approx(np.ptp(lips[:, 0]), abs=6)
+    assert np.abs(rows - lips[0, 1]).max() <= 3
+    assert not painted(open_again, away).any()
+
+
 def test_spheres_are_drawn_where_they_are_and_as_large(damper_page, open_page):
     """Of one sphere alone the disc: its area in pixels, its middle to a pixel."""
     shown = open_page(damper_page)

@@ -10,12 +10,20 @@ from small_silo import DischargeStop, write_case
 
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import read_trajectory
+from granulab.contact.files.datafile import data_file
 from granulab.errors import Stopped
 from silo2d.case.case import SiloCase
+from silo2d.engine.simulation import Simulation
 from silo2d.measures import residence, stickslip
 from silo2d.measures.basics.particles import in_silo
-from silo2d.run.protocol import run
-from silo2d.view.report import echo
+from silo2d.run import discharge
+from silo2d.run.beds.acts import Acts
+from silo2d.run.discharge import check_rim, open_door
+from silo2d.run.ending import Clock
+from silo2d.run.packing import Packing
+from silo2d.run.protocol import run, run_digest, world_behind_door
+from silo2d.view.charts import discharge_chart
+from silo2d.view.report import echo, report
 from silo2d.view.scene import read_scene
 
 
@@ -53,8 +61,12 @@ def test_a_feeder_takes_its_rate(tmp_path):
 def test_a_store_keeps_the_number_and_is_used_up(tmp_path):
     result, frames = result_of(tmp_path, flow__refill=40)
     inside = frames["inside"].sum(axis=1)
-    at_first = result.n_particles - 40
-    assert inside[0] == at_first
+    at_first = result.n_particles
+    assert (inside[0], result.n_store) == (at_first, 40)
+    assert result.mass_out_kg == pytest.approx(result.mass_kg + result.mass_store_kg, rel=1e-9)
+    assert f"of {at_first} particles and 40 in store out" in report(result)
+    (axes,) = discharge_chart(read_scene(result.run_folder)).axes
+    assert axes.texts[0].get_text() == f"all {at_first} and 40 in store"
     used_up = frames["inside"][:, at_first:].any(axis=1)
     # A look every 10 ms: what left between two looks may be missing.
     while_there = frames["n_out"] < 30
@@ -124,6 +136,10 @@ def test_acts_gone_on_with_end_with_the_same_bits(tmp_path):
             ["gate_times does not go with [run] door_speed"],
         ),
         ({"flow.refill": 10, "run.engine": "pymunk"}, ["[flow] refill", "engine = 'dem'"]),
+        (
+            {"output.wall_interval": "1 ms", "run.engine": "pymunk"},
+            ["[output] wall_interval", "engine = 'dem'"],
+        ),
     ],
 )
 def test_an_act_that_cannot_be(changes, words):
@@ -137,12 +153,27 @@ def test_an_act_that_cannot_be(changes, words):
         ({"flow.gate_times": ["0.3 s"]}, None),
         ({"flow.vibration_amplitude": "1 mm", "flow.vibration_frequency": "5 Hz"}, None),
         ({"law.mu_plates": 0.4, "law.plates_ratio": 0.5}, "A4"),
+        ({"particles.shapes": "shares.toml"}, "A4"),
     ],
 )
-def test_a_silo_with_what_the_paper_has_not_bears_another_name(changes, published):
+def test_a_silo_with_what_the_paper_has_not_bears_another_name(
+    changes, published, tmp_path, monkeypatch
+):
     """Times of a discharge with a gate, a store or vibration are none to compare with."""
+    monkeypatch.chdir(tmp_path)
+    wood = data_file("shapes", "wood19").read_text(encoding="utf-8")
+    Path("shares.toml").write_text(wood.replace("[[shape]]", "[[shape]]\nshare = 7", 1))
     case = SiloCase.load("A4", changes)
     assert (case.label, case.published_name) == ("A4 (changed)", published)
+
+
+@pytest.mark.parametrize(
+    "changes", [{"flow.vibration_direction": "horizontal"}, {"flow.gate_times": ["7 s", "8 s"]}]
+)
+def test_what_never_acts_makes_no_other_silo(changes):
+    """A direction without vibration, and a gate after the end of the run."""
+    case = SiloCase.load("A4", changes)
+    assert (case.label, run_digest(case)) == ("A4", run_digest(SiloCase.load("A4")))
 
 
 def test_a_silo_whose_outlet_is_out_of_the_middle_is_not_the_papers():
@@ -219,8 +250,68 @@ def test_a_shaken_silo_is_not_called_clear(tmp_path):
 def test_particles_of_the_store_are_in_no_measure_before_they_are_in_the_silo(tmp_path):
     """Residence is of those that were there at the opening; none waits in a band or a column."""
     result, frames = result_of(tmp_path, flow__refill=40)
-    folder, filled = RunFolder(result.run_folder).path, result.n_particles - 40
+    folder, filled = RunFolder(result.run_folder).path, result.n_particles
     found = residence.measure(folder)
     assert found["n_out"] + found["n_staying"] == filled
     assert sum(one["n_out"] for one in found["by_column"]) == found["n_out"]
     assert not (in_silo(read_scene(folder)) & ~frames["inside"]).any()
+
+
+SHAKEN = {"flow.vibration_amplitude": "6 mm", "flow.vibration_frequency": "45 Hz"}
+
+
+def opened(changes, *poses):
+    """A4 with particles of its first kind at poses, just opened: case, simulation and acts."""
+    case = SiloCase.load("A4", changes)
+    packing = Packing(np.zeros(len(poses), np.int64), np.array(poses), None, 0.0, "dem", 0.0)
+    sim = Simulation(world_behind_door(case, packing))
+    open_door(sim, case, packing, Clock())
+    return case, sim, Acts.of(case, packing, sim)
+
+
+def test_a_gate_that_vibrates_takes_what_stands_where_it_closes():
+    """After a quarter period the door is 6 mm above its place, and 3 mm deep in the particle."""
+    shape = SiloCase.load("A4").shapes.shapes[0]
+    foot = shape.spheroradius - shape.core[:, 1].min()
+    quarter = 1 / 45 / 4
+    _, sim, acts = opened(SHAKEN | {"flow.gate_times": [f"{quarter} s"]}, (0.0, foot + 3e-3, 0.0))
+    sim.run(acts.gate[0])
+    acts.act(sim)
+    assert (sim.n_out, len(sim.live)) == (1, 0)
+
+
+def test_what_is_put_on_a_shaken_bed_keeps_clear_of_the_walls():
+    """By the amplitude: they come so far."""
+    flat = {"silo.angle": "0 deg", "silo.outlet": "60 mm", "flow.refill": 9}
+    case, _, acts = opened(SHAKEN | flat, (0.0, 0.1, 0.0))
+    radius = case.shapes.bounding_radius
+    found = acts.surface.places(np.zeros((0, 2)), np.zeros(0), np.full(99, radius))
+    assert np.abs(found[:, 0]).max() <= 0.15 - radius - 6e-3
+    assert found[:, 1].min() >= radius + 6e-3
+
+
+WINDOW = [[[150, 200], [150, 270]]]
+
+
+@pytest.mark.parametrize(
+    ("changes", "pose", "thrown"),
+    [
+        ({}, (0.2, 0.3, 0.0), True),
+        ({}, (-0.2, 0.01, 0.0), True),
+        ({}, (0.14, 0.6, 0.0), False),  # above the rim, in the silo's width
+        (SHAKEN, (0.154, 0.3, 0.0), False),  # at a wall that has moved
+        ({"silo.outlets": WINDOW}, (0.2, 0.25, 0.0), False),  # out of the window
+        ({"silo.outlets": WINDOW}, (0.2, 0.4, 0.0), True),
+    ],
+)
+def test_a_particle_that_left_over_the_rim_is_not_discharged(changes, pose, thrown):
+    """It ends the run at the next look, long before it has fallen to y = 0."""
+    case, sim, acts = opened(changes, pose)
+    if not thrown:
+        check_rim(sim, case)
+        return
+    look = discharge._look
+    assert_refuses(
+        ["A4: [silo] height = 500 mm", "leave over the open top (1 by", "a higher silo"],
+        look, sim, case, acts.packing, Clock(), acts,
+    )  # fmt: skip

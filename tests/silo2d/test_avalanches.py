@@ -22,7 +22,8 @@ from silo2d.avalanches.case import AvalancheCase, Protocol
 from silo2d.case.case import SiloCase
 from silo2d.case.outline import hopper, outline_from_polygon
 from silo2d.engine import state
-from silo2d.run.protocol import get_packing
+from silo2d.engine.simulation import Simulation
+from silo2d.run.protocol import at_opening, get_packing
 from silo2d.run.refill import Surface, put_on
 
 # Rough particles over an outlet of three of them: they clog after ten or so.
@@ -165,7 +166,7 @@ def test_share_above_the_outlet_is_of_particles_between_its_edges_up_to_the_leve
     """Three of them; not the one beside its edge, above the level or below the outlet."""
     bed = Bed.of(case_in(root.parent), get_packing(case_in(root.parent).silo, root, None))
     silo, level = bed.silo, bed.silo.settings.fill.level
-    sim = protocol._at_opening(bed, 0, Stages.of(None), lambda: False)
+    sim, _ = at_opening(bed.silo, bed.packing, 0, Stages.of(None), lambda: False)
     centre, half = silo.outline.outlet_centre, 0.5 * silo.outline.outlet
     edge = centre + 1.01 * half
     places = [(centre, 0.3 * level), (centre - 0.99 * half, 0.01 * level),
@@ -215,7 +216,7 @@ def test_mass_and_level_are_kept(whole):
     the surface stays where it was, to within two of the largest particles."""
     folder, _, found = whole
     bed = Bed.of(case_in(folder), get_packing(case_in(folder).silo, folder / "runs", None))
-    sim = protocol._at_opening(bed, 0, Stages.of(None), lambda: False)
+    sim, _ = at_opening(bed.silo, bed.packing, 0, Stages.of(None), lambda: False)
     ledger, mass, seen = flow.Ledger(), 1 / sim.rows[:, state.INV_MASS], []
 
     def look():
@@ -255,7 +256,7 @@ def test_bed_stays_filled_however_fast_the_flow(root):
     case = SiloCase.load(write_case(root.parent, {**ROUGH, "silo.outlet": "60 mm"}))
     case = AvalancheCase.of(case, Protocol(avalanches=3, largest=200))
     bed = Bed.of(case, get_packing(case.silo, root, None))
-    sim = protocol._at_opening(bed, 0, Stages.of(None), lambda: False)
+    sim, _ = at_opening(bed.silo, bed.packing, 0, Stages.of(None), lambda: False)
     ledger, above = flow.Ledger(), []
 
     def look():
@@ -421,3 +422,12 @@ def test_what_cannot_clog_is_refused_before_anything_is_computed(
 def test_a_silo_without_one_arch_between_its_walls_is_refused(tmp_path, changes, words):
     case = write_case(tmp_path, changes)
     assert_refused(silo2d("clog", case, "--outlets", "22 mm"), *words)
+
+
+def test_threads_share_the_flow_not_the_filling_alone(root, monkeypatch):
+    """Of a packing that is kept: what is shared is the settling and the flow after it."""
+    shared = []
+    monkeypatch.setattr(Simulation, "share", lambda sim, n: shared.append(n))
+    with pytest.raises(Stopped):
+        protocol.run(case_in(root.parent), out=root, threads=2, stop=lambda: True)
+    assert shared == [2]

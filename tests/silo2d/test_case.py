@@ -255,6 +255,9 @@ def test_shapes_and_materials_count_by_their_numbers_not_by_their_files(tmp_path
     wood = (data / "materials" / "wood.toml").read_text(encoding="utf-8")
     copies = {"s.toml": shapes, "m.toml": wood, "s2.toml": shapes.replace("4.5", "4.4")}
     copies["m2.toml"] = wood.replace('"0.45 g/cm3"', '"0.46 g/cm3"')
+    half = wood.replace('"0.45 g/cm3"', '"0.90 g/cm3"').replace('"120 mm"', '"60 mm"')
+    copies["half as long.toml"] = half
+    copies["named.toml"] = shapes.replace('name = "1"', 'name = "first"')
     for name, text in copies.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
 
@@ -265,6 +268,12 @@ def test_shapes_and_materials_count_by_their_numbers_not_by_their_files(tmp_path
     assert digests(shapes="s.toml", materials="m.toml") == (run_digest(a4()), packing_of(a4()))
     for other in ({"shapes": "s2.toml"}, {"materials": "m2.toml"}):
         assert not set(digests(**other)) & {run_digest(a4()), packing_of(a4())}
+    # Lengths act on plates and pressures, names on results: of the run, on the same packing.
+    for other in ({"materials": "half as long.toml"}, {"shapes": "named.toml"}):
+        run_name, packing = digests(**other)
+        assert run_name != run_digest(a4())
+        assert packing == packing_of(a4())
+    assert run_digest(a4()) == "96c901ed5322"
 
 
 # The case as a file

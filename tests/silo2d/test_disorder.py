@@ -349,6 +349,10 @@ def test_the_kinds_of_disorder_differ(kinds):
             ["[disorder] restitution", "about 0.53", "less than 33.8 %"],
         ),
         ({"disorder.friction": -0.1}, ["friction = -0.1", "greater than or equal to 0"]),
+        (
+            {"disorder.per": None, "disorder.stiffness": "10 %"},
+            ["[disorder] stiffness: drawn of nothing", "per = 'particle'"],
+        ),
         ({"law.gamma_n": "0 1/s"}, ["gamma_n = 0", "[disorder] restitution = false"]),
         ({"run.time_step": "10 us"}, ["time_step = 10 us", "stiffest pair"]),
     ],

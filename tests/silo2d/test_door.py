@@ -202,3 +202,15 @@ def test_a_run_with_a_door_that_moves_goes_on_with_the_same_bits(drawn, tmp_path
 def test_a_door_speed_that_cannot_be(speed, words, tmp_path):
     case = write_case(tmp_path, {"run.door_speed": speed})
     assert_refused(silo2d("run", case, "--dry-run"), *words)
+
+
+def test_a_door_that_is_taken_away_leaves_no_energy_behind():
+    """A gate that opens under load: what its contacts held is carried out, and all adds up."""
+    height = SPHERORADIUS - FLAT.core[:, 1].min() - 1e-5
+    sim = simulation_of([FLAT], [(0.0, LEVEL + height, 0.0)], walls=[wall()], law=LAW,
+                        time_step=STEP, gravity=G)  # fmt: skip
+    before = sim.energies()
+    sim.remove_wall(0)
+    after = sim.energies()
+    assert before["elastic_normal"] > 0 == after["elastic_normal"]
+    assert sum(after.values()) == pytest.approx(sum(before.values()), rel=1e-12)

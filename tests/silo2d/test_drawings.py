@@ -24,7 +24,7 @@ from small_silo import DRY, silo2d
 from silo2d.case.case import SiloCase
 from silo2d.case.shapefile import load_shapes
 from silo2d.drawings.curves import FLATNESS, joined, read_drawing
-from silo2d.drawings.outline import silo_outline
+from silo2d.drawings.outline import outline_changes
 from silo2d.drawings.photograph import read_photograph
 from silo2d.drawings.shapes import import_shapes
 
@@ -42,9 +42,8 @@ def only_curve(path: Path, **options):
 
 def like_a4(path: Path, **options) -> bool:
     """Whether a drawing's silo has the walls of the preset, wherever it stands."""
-    case = SiloCase.resolve(
-        {"name": "drawn", "silo": {"outline": silo_outline(path, **options)}}, "drawn", Path()
-    )
+    drawn = {"outline": outline_changes(path, **options)["silo.outline"]}
+    case = SiloCase.resolve({"name": "drawn", "silo": drawn}, "drawn", Path())
     own, preset = case.outline, SiloCase.load("A4").outline
     middle = own.polygon[:, 0].mean()
     moved = own.polygon - [middle, 0]
@@ -124,8 +123,10 @@ def test_a_layer_is_read_alone(tmp_path):
     path = written(tmp_path, "b.dxf", dxf(frame + inside + SPLINE.format("frame")))
     assert like_a4(path, layer="inside")
     path = written(tmp_path, "a.dxf", dxf(frame + inside))
-    assert_refuses(["2 closed curves", "layer"], silo_outline, path)
-    assert_refuses(["no layer 'insid'", "did you mean 'inside'"], silo_outline, path, None, "insid")
+    assert_refuses(["2 closed curves", "layer"], outline_changes, path)
+    assert_refuses(
+        ["no layer 'insid'", "did you mean 'inside'"], outline_changes, path, None, "insid"
+    )
 
 
 def segment(large: int) -> str:
@@ -270,15 +271,15 @@ REFUSED = {
 def test_a_drawing_that_is_no_silo_is_refused_in_one_line(tmp_path, kind):
     name, text, words = REFUSED[kind]
     path = written(tmp_path, name, text)
-    assert_refuses([str(path), *words], silo_outline, path)
+    assert_refuses([str(path), *words], outline_changes, path)
 
 
 def test_files_that_are_no_text_are_refused(tmp_path):
     (tmp_path / "b.dxf").write_bytes(b"AutoCAD Binary DXF\r\n\x1a\0")
     (tmp_path / "p.svg").write_bytes(b"\x89PNG\r\n\x1a\n\0\0")
-    assert_refuses(["binary DXF", "ASCII"], silo_outline, tmp_path / "b.dxf")
-    assert_refuses(["not text"], silo_outline, tmp_path / "p.svg")
-    assert_refuses(["cannot be read"], silo_outline, tmp_path / "none.svg")
+    assert_refuses(["binary DXF", "ASCII"], outline_changes, tmp_path / "b.dxf")
+    assert_refuses(["not text"], outline_changes, tmp_path / "p.svg")
+    assert_refuses(["cannot be read"], outline_changes, tmp_path / "none.svg")
 
 
 def test_a_drawn_square_keeps_its_corners_and_its_area(tmp_path):
@@ -455,7 +456,7 @@ def test_run_and_init_take_the_silo_of_a_drawing(tmp_path, monkeypatch):
     drawing = written(tmp_path, "a.svg", svg(svg_path(A4_DOWN)))
     assert silo2d("init", "drawn.toml", "--outline", drawing).code == 0
     case = SiloCase.load("drawn.toml")
-    changed = SiloCase.load("A4", {"silo.preset": None, "silo.outline": silo_outline(drawing)})
+    changed = SiloCase.load("A4", outline_changes(drawing))
     assert np.array_equal(case.outline.polygon, changed.outline.polygon)
     assert "0.3 m wide, 0.5 m high" in silo2d("run", "B1", "--outline", drawing, "--dry-run").out
     assert_refused(silo2d("run", "A4", "--unit", "mm"), "--outline")

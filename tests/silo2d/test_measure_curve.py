@@ -9,7 +9,7 @@ from moved_run import falling, write_moved_run
 from granulab.campaign.output.figure import write_figure
 from granulab.errors import InputError
 from silo2d.case.outline import hopper
-from silo2d.measures import curve, find
+from silo2d.measures import curve, find, massflow
 
 SILO = hopper(0.0, 0.15, name="flat")
 
@@ -79,6 +79,23 @@ def test_no_rate_where_few_leave_or_all_at_once(times):
     """A value that does not exist is None."""
     assert curve.steady_part(np.array(times), np.ones(len(times))) is None
     assert curve.usual_window(np.array(times)) is None
+
+
+def test_a_burst_that_a_gate_takes_along_has_no_steady_part(tmp_path):
+    """The rate comes near its mean where a window loses the burst, and nothing leaves there."""
+    burst = np.concatenate(
+        [np.linspace(0.01, 0.06, 3), np.full(28, 0.06), np.linspace(0.16, 0.25, 15)]
+    )
+    assert curve.steady_part(burst, np.ones(len(burst))) is None
+    write_moved_run(
+        tmp_path, lambda s, t: falling(s, t, 0.0), silo=SILO, n_frames=5,
+        out_time=lambda s: np.resize(np.append(burst, np.nan), len(s)),
+    )  # fmt: skip
+    numbers = curve.measure(tmp_path)
+    assert numbers["steady_rate_per_s"] is None
+    assert numbers["steady_note"].startswith("no steady part")
+    assert write_figure(tmp_path / "burst.png", lambda: curve.draw(tmp_path)).exists()
+    assert massflow.measure(tmp_path)["window_until_s"] == pytest.approx(numbers["out_times_s"][-1])
 
 
 def test_moving_rate_counts_every_particle_once():

@@ -12,11 +12,15 @@ from scenes import ELASTIC, LEVEL, SURFACE_DENSITY, launch, simulation_of, veloc
 from granulab.contact.restitution import linear_restitution
 from silo2d.case.beds.forms import CLASSES
 from silo2d.case.case import SiloCase
+from silo2d.case.filling import LOOSE
 from silo2d.case.outline import hopper
 from silo2d.case.shape import corner_angles, disc
 from silo2d.case.shapefile import load_shapes
 from silo2d.measures import segregation
 from silo2d.measures.segregation import segregation_index
+from silo2d.run.packing import Packing, packing_folder, save_packing
+from silo2d.run.pour import kinds_of, rain
+from silo2d.run.protocol import get_packing, sources_of_both
 
 
 def shapes(tmp_path, *entries, head='spheroradius = "0.5 mm"'):
@@ -282,3 +286,44 @@ def test_the_spheroradius_of_a_sieve_is_that_of_its_mean_mass(form, radius, tmp_
     usual = math.sqrt(float(np.asarray(found.shares) @ width**2))
     radii = [shape.spheroradius for shape in found.shapes]
     assert radii == pytest.approx(radius * width / usual, rel=1e-9)
+
+
+FLAT = {
+    "silo.angle": "0 deg", "silo.outlet": "60 mm", "silo.width": "120 mm", "silo.height": "250 mm",
+    "fill.level": "200 mm",
+}  # fmt: skip
+
+
+def test_a_mixture_of_very_different_sizes_is_poured_to_the_level_whatever_the_seed(tmp_path):
+    """Its area is what is wanted, less one of the largest: a few large ones are half of it."""
+    large, small = (entry(name, form="disc", size=size, mass_share=1) for name, size in
+                    (("large", "30 mm"), ("small", "6 mm")))  # fmt: skip
+    shapes(tmp_path, large, small, head="")
+    case = SiloCase.load("A4", {**FLAT, "particles.shapes": str(tmp_path / "shapes.toml")})
+    areas = np.array([shape.area for shape in case.shapes.shapes])
+    wanted = LOOSE * case.outline.area_below(0.2) - areas.max()
+    for seed in range(20):
+        kinds = rain(case, np.random.default_rng(seed))[0]
+        assert areas[kinds].sum() > wanted
+        assert (areas * np.bincount(kinds)).min() > wanted / 2 - areas.max()
+
+
+def test_a_bed_of_nearly_equal_areas_is_drawn_by_chance():
+    """As ever: the paper's beds keep their bits, down to 16 particles."""
+    shares = SiloCase.load("A4").shapes
+    by_chance = np.random.default_rng(1).choice(19, size=20, p=shares.shares)
+    np.testing.assert_array_equal(kinds_of(shares, 20, np.random.default_rng(1)), by_chance)
+
+
+def test_a_bed_that_ends_below_its_level_is_reported(tmp_path):
+    case, said = SiloCase.load("A4", FLAT), []
+    for top, words in ((0.19, []), (0.163, ["the bed ends at 163 mm, more than", "= 200 mm"])):
+        bed = np.array([[0.0, 0.01, 0.0], [0.0, top, 0.0]])
+        digest = sources_of_both(case)[1].digest
+        packing = Packing(np.zeros(2, np.int64), bed, None, 1.0, "dem", 0.0, sources=digest)
+        folder = packing_folder(case, tmp_path)
+        folder.mkdir(parents=True, exist_ok=True)
+        save_packing(packing, folder)
+        get_packing(case, tmp_path, lambda *_: None, warn=said.append)
+        assert len(said) == bool(words)
+        assert all(word in said[0] for word in words)

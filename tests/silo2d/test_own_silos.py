@@ -140,7 +140,7 @@ def test_a_halved_run_that_goes_on_and_fails_again_is_not_tried_in_longer_steps(
         raise SimulationError("too much energy")
 
     monkeypatch.setattr(protocol, "get_packing", lambda *_: None)
-    monkeypatch.setattr(protocol, "_start_or_resume", started)
+    monkeypatch.setattr(protocol, "start_or_resume", started)
     monkeypatch.setattr(protocol, "_discharged", fails)
     with pytest.raises(SimulationError, match="energy"):
         protocol.run(case, out=tmp_path)

@@ -13,6 +13,7 @@ from small_silo import silo2d
 
 from granulab.campaign.runs.trajectory import read_tables
 from silo2d.measures.basics.contacts import moment_at, particle_stress
+from silo2d.view import player as player_module
 from silo2d.view.player import player_page
 from silo2d.view.scene import Scene, read_scene
 
@@ -111,6 +112,19 @@ def test_curves_and_wall_forces_are_the_run_s(page, scene):
     dissipated = curves["energy dissipated"]
     total = page.arrays[dissipated["series"][0]["array"]][-1]
     assert total == pytest.approx(sum(scene.summary["dissipated_j"].values()), rel=1e-3)
+
+
+def test_a_gate_comes_with_its_times_its_door_and_its_force(reference, scene, monkeypatch):
+    gated = read_scene(reference.path)
+    gated.trajectory.attributes["gate_times"] = np.array([0.05, 0.1])
+    monkeypatch.setattr(player_module, "read_scene", lambda folder: gated)
+    page = read_page(player_page(reference.path, 2.5e6)[0])
+    (left, right), (door,) = scene.trajectory.attributes["lips"], page.data["plane"]["doors"]
+    np.testing.assert_allclose(door, [left, right], atol=1e-6)
+    assert page.data["plane"]["gateTimes"] == [0.05, 0.1]
+    assert page.data["walls"][-1] == {"name": "door", "middle": [0.0, 0.0]}
+    (force,) = [c for c in page.data["curves"] if c["name"] == "downward force on the walls"]
+    assert [line["label"] for line in force["series"]][-1] == "door"
 
 
 def test_published_times_are_marked(tmp_path):

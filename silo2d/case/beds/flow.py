@@ -60,6 +60,7 @@ def check_flow(settings: Settings, shapes: ShapeSet, time_step: float, where: st
             ("[flow] feed_rate", closed),
             ("[flow] refill", flow.refill > 0),
             ("[flow] vibration_amplitude", flow.vibration_amplitude is not None),
+            ("[output] wall_interval", settings.output.wall_interval is not None),
         ):
             if given:
                 raise InputError(f"{where}: {key} goes with engine = 'dem'; leave one of them out")

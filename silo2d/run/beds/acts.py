@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from silo2d.case.case import SiloCase
+from silo2d.engine import state
 from silo2d.engine.simulation import Simulation
 from silo2d.run.ending import LOOK
 from silo2d.run.packing import Packing
@@ -67,7 +68,8 @@ class Acts:
         if not flow.refill:
             return cls(case, packing, gate, feed, 0, None)
         radius = case.shapes.bounding_radius
-        surface = Surface(case.outline.raised(4 * radius), radius)
+        shaken = flow.vibration_amplitude or 0.0
+        surface = Surface(case.outline.raised(4 * radius), radius, shaken=shaken)
         return cls(case, packing, gate, feed, round(LOOK / step), surface)
 
     def next(self, now: int) -> list[int]:
@@ -99,7 +101,10 @@ class Acts:
         walls = self.case.outline.walls()
         for door in walls.doors:
             if closes:
-                sim.take_out(self._standing_in(sim, walls.segments[door]))
+                ends = walls.segments[door]
+                now = sim.world.bodies.row[sim.n_particles + door, [state.X, state.Y]]
+                shaken = now - ends.mean(axis=0)  # a wall that vibrates is not where it was drawn
+                sim.take_out(self._standing_in(sim, ends + shaken))
                 sim.put_back_wall(door)
             else:
                 sim.remove_wall(door)

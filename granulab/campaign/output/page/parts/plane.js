@@ -159,6 +159,8 @@ export class Plane {
     const drawn = scene.doorSpeed === null ? Infinity : scene.doorSpeed * this.time.at(frame);
     const [[left, y], [right]] = scene.lips;
     if (left + drawn < right) line([left + drawn, y], [right, y]);
+    const moves = scene.gateTimes.filter((time) => time <= this.time.at(frame)).length;
+    if (moves % 2) for (const ends of scene.doors) line(...ends);
     context.stroke();
     context.lineWidth = 1;
     context.setLineDash([4, 4]);
