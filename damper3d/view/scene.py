@@ -113,8 +113,9 @@ class Scene:
     def peak_speed(self) -> float:
         """Gamma g / omega [m/s], the largest velocity of the enclosure (eq. 6.2).
 
-        On a host it is that of the first harmonic, over the last cycles or, of one that was let go,
-        in the first. Under an excitation that is no sine it is the largest.
+        On a host it is that of the first harmonic: of the mean over the cycles that count, as in
+        the results (over the last ones while the run goes on), or, of one that was let go, in the
+        first. Under an excitation that is no sine it is the largest.
         """
         if self.settings.excitation.kind is not None:
             return float(np.abs(self.trajectory["velocity"]).max())
@@ -123,10 +124,11 @@ class Scene:
         n_cycles = (len(self.time) - 1) // per
         if not self.on_host or not n_cycles:
             return prescribed
-        sizes = np.abs(harmonics(self.trajectory["displacement"][: n_cycles * per + 1], per))
+        found = harmonics(self.trajectory["displacement"][: n_cycles * per + 1], per)
         keys = self.settings.host
         driven = keys.force or keys.torque or base_of(keys)
-        size = sizes[-COUNTED:].mean() if driven else sizes[0]
+        first = self.counted.start if self.summary else max(n_cycles - COUNTED, 0)
+        size = abs(found[first:].mean() if driven else found[0])
         return float(2 * np.pi / self.period * size)
 
     @property

@@ -1,5 +1,6 @@
 """The desk: what the page may ask and order, by name, and what answers it."""
 
+import threading
 from collections.abc import Callable, Mapping
 from functools import cached_property, partial
 from pathlib import Path
@@ -9,6 +10,7 @@ from granulab.errors import InputError
 from granulab.studio.folder import Folder, listed
 from granulab.studio.forms import Texts
 from granulab.studio.processes import Beside, Processes
+from granulab.studio.rooms.runs import GOING
 from granulab.studio.rooms.simulator import Bench
 
 
@@ -19,6 +21,7 @@ class Desk:
         self.folder = Folder(root)
         self.processes = Processes(self.folder.root)
         self.beside = Beside()
+        self._checking = threading.Lock()  # a case of millions takes seconds, and much memory
 
     @cached_property
     def benches(self) -> Mapping[str, Bench]:
@@ -66,7 +69,11 @@ class Desk:
         from granulab.studio.rooms import drawings
 
         def check(simulator: str, case: Texts) -> dict[str, Any]:
-            return self._bench(simulator).check(self.folder, case)
+            with self._checking:
+                found = self._bench(simulator).check(self.folder, case)
+            if not found["refused"]:
+                found["state"] = self.runs.doing(found["run"])
+            return found
 
         def save(simulator: str, case: Texts, replace: bool = False) -> dict[str, Any]:
             return self._bench(simulator).save(self.folder, case, replace)
@@ -114,10 +121,13 @@ class Desk:
     def begin(
         self, simulator: str, case: Texts, replace: bool = False, figures: bool = True
     ) -> dict[str, Any]:
-        """Save a case and start its run; the answer of save alone where its file is another's."""
+        """Save a case and start its run, unless it goes on already.
+
+        The answer is that of save alone where its file is another's.
+        """
         bench = self._bench(simulator)
         saved = bench.save(self.folder, case, replace)
-        if saved["exists"]:
+        if saved["exists"] or self.runs.doing(saved["run"]) in GOING:
             return saved
         return saved | self.runs.start(bench, saved["file"], saved["run"], figures)
 

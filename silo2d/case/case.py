@@ -98,7 +98,7 @@ class SiloCase:
         settings = _with_acting_flow(check_settings(document, where))
         shapes_file = find(settings.particles.shapes, "shapes", folder)
         table_file = find(settings.particles.materials, "materials", folder)
-        outline = _opened(_outline(settings.silo, settings.name, where), settings, where)
+        outline = outline_of(settings, where)
         shapes, (table, settings) = both(
             lambda: shapes_of(shapes_file, settings.particles),
             lambda: table_of(table_file, settings),
@@ -382,6 +382,7 @@ def _with_acting_flow(settings: Settings) -> Settings:
 
 
 USUAL_INTERVALS = 0.01, 0.05  # [s] between frames, and those with contacts, of ...
+_MOST_PARTICLES = 10_000_000
 _AT_MOST = 20_000  # particles; of more, whole multiples
 
 
@@ -399,6 +400,11 @@ def _thinned(settings: Settings, outline: Outline, shapes: ShapeSet) -> Settings
         if getattr(output, key) is None
     }
     return settings.model_copy(update={"output": output.model_copy(update=left_out)})
+
+
+def outline_of(settings: Settings, where: str) -> Outline:
+    """The silo of a case's settings; InputError where it is none."""
+    return _opened(_outline(settings.silo, settings.name, where), settings, where)
 
 
 def _opened(outline: Outline, settings: Settings, where: str) -> Outline:
@@ -434,6 +440,12 @@ def _check_sizes(outline: Outline, shapes: ShapeSet, settings: Settings, where: 
         raise InputError(
             f"{where}: [fill] level = {level * 1e3:g} mm: must be above the largest particle, "
             f"{largest * 1e3:.3g} mm, and at most the silo's height, {outline.height * 1e3:g} mm"
+        )
+    n = particles_below(level, outline, shapes)
+    if n > _MOST_PARTICLES:
+        raise InputError(
+            f"{where}: [fill] level = {level * 1e3:g} mm: about {n:,} particles; at most "
+            f"{_MOST_PARTICLES:,}; check the units of sizes, or give a lower level"
         )
     layer = settings.fill.layer
     if layer is not None and layer < narrowest:

@@ -82,10 +82,10 @@ def rows_of_rain(outline: Outline, shapes: ShapeSet, layer: Layer) -> tuple[np.n
     high = outline.raised(above + n * pitch)  # more than enough: one particle a row
     free = high.inside.buffer(-1.02 * radius)
     left, bottom, right, top = free.bounds if not free.is_empty else (0.0, 0.0, 0.0, 0.0)
-    positions: list[tuple[float, float]] = []
+    rows, count = [np.zeros((0, 2))], 0
     y = max(bottom, above + radius if above else bottom) + 1e-3 * pitch
     staggered = False
-    while len(positions) < n and y < top:
+    while count < n and y < top:
         stretch = free.intersection(LineString([(left - 1, y), (right + 1, y)]))
         for line in getattr(stretch, "geoms", [stretch]):
             if line.is_empty:
@@ -93,18 +93,19 @@ def rows_of_rain(outline: Outline, shapes: ShapeSet, layer: Layer) -> tuple[np.n
             left_end, _, right_end, _ = line.bounds
             # Every second row stands over the gaps of the one below.
             first = left + (pitch / 2 if staggered else 0.0)
-            columns = range(
+            columns = np.arange(
                 math.ceil((left_end - first) / pitch), math.floor((right_end - first) / pitch) + 1
             )
-            positions += [(first + k * pitch, y) for k in columns]
+            rows.append(np.column_stack([first + columns * pitch, np.full(len(columns), y)]))
+            count += len(columns)
         y += math.sqrt(0.75) * pitch
         staggered = not staggered
-    if not positions:
+    if not count:
         raise InputError(
             f"{outline.name}: the silo is too small for its particles: it must be wider than "
             f"{2.04e3 * radius:.3g} mm somewhere, a largest particle and a little more"
         )
-    return np.array(positions), y
+    return np.concatenate(rows), y
 
 
 def rain_of(outline: Outline, shapes: ShapeSet, surface_density: float, fill: Fill) -> Rain:

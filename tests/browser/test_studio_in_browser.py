@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from made_drawings import A4_DOWN, photograph, regular, svg, svg_path
 from small_silo import SHAPES
+from studio_page import click_at, expect, open_case
 from studio_server import Studio
 
 from granulab.campaign.runs.folder import RunFolder
@@ -15,11 +16,6 @@ from silo2d.case.shapefile import load_shapes
 from silo2d.run.sweep import SILO
 
 MEDIA = Path(__file__).parents[2] / "data" / "media"
-
-# The plane that is shown where nothing is drawn yet [m], and the margin round it [px]
-# (granulab/studio/page/silo.js, plane.js).
-LEFT, RIGHT, BOTTOM, TOP = -0.3, 0.3, -0.05, 0.6
-MARGIN = 18
 
 
 @pytest.fixture(scope="module")
@@ -30,25 +26,6 @@ def studio(tmp_path_factory):
     yield running
     code, err = running.close()
     assert (code, err.count("\n")) == (0, 1), err
-
-
-def click_at(page, corners):
-    """Click places of the silo's plane [mm]."""
-    box = page.locator(".drawing canvas").bounding_box()
-    width, height = box["width"], box["height"]
-    scale = min((width - 2 * MARGIN) / (RIGHT - LEFT), (height - 2 * MARGIN) / (TOP - BOTTOM))
-    for x, y in corners:
-        px = box["x"] + width / 2 + (1e-3 * x - (LEFT + RIGHT) / 2) * scale
-        py = box["y"] + height / 2 - (1e-3 * y - (BOTTOM + TOP) / 2) * scale
-        page.mouse.move(px, py)
-        page.mouse.down()
-        page.mouse.up()
-
-
-def expect(locator):
-    from playwright.sync_api import expect as expecting
-
-    return expecting(locator)
 
 
 OUTLINE = [(-30, 0), (30, 0), (40, 20), (40, 90), (-40, 90), (-40, 20)]
@@ -87,12 +64,12 @@ def test_a_silo_is_drawn_by_mouse_refused_run_and_opened_again_with_its_digest(s
     page.get_by_label("max_time").fill("0.3 s")
     page.get_by_label("with pictures and film").uncheck()
     expect(page.locator(".fine")).to_be_visible()
-    page.wait_for_timeout(600)  # the check that the last change asked for
     digest = page.locator(".digest").text_content()
     page.get_by_role("button", name="Run", exact=True).click()
 
     expect(page.locator(".run h2")).to_contain_text("drawn-seed1-")
     expect(page.locator(".report")).to_contain_text("particles out", timeout=120_000)
+    expect(page.locator(".report")).to_have_css("white-space", "pre-wrap")
     run = page.locator(".run h2").text_content()
     assert run in digest
     of_file = SiloCase.load(studio.folder / "drawn.toml")
@@ -100,9 +77,9 @@ def test_a_silo_is_drawn_by_mouse_refused_run_and_opened_again_with_its_digest(s
     assert (folder.path.name, folder.state) == (run, "finished"), "the command takes the same run"
 
     page.get_by_role("tab", name="Silo").click()
-    page.get_by_label("Open a case").select_option("A1")
+    open_case(page, "A1")
     expect(page.locator(".digest")).to_contain_text("A1-seed1-")
-    page.get_by_label("Open a case").select_option("drawn.toml")
+    open_case(page, "drawn.toml")
     expect(page.locator(".digest")).to_have_text(digest)
     expect(page.get_by_role("button", name="Show its run")).to_be_visible()
 
@@ -113,7 +90,6 @@ def test_a_run_is_watched_stopped_and_gone_on_with(studio, opened):
     page.locator("summary", has_text="[run]").click()
     page.get_by_label("time_step [s]").first.fill("0.1 us")  # some seconds to be stopped in
     page.get_by_label("with pictures and film").uncheck()
-    page.wait_for_timeout(600)
     page.get_by_role("button", name="Run", exact=True).click()
     expect(page.locator(".watch p")).to_contain_text("out", timeout=120_000)  # a frame is there
     drawn = page.locator(".watch canvas").screenshot()
@@ -181,8 +157,10 @@ def test_a_damper_is_shown_as_its_filling_begins(studio, opened):
     expect(page.locator(".drawing p")).to_contain_text("as they are let go", timeout=120_000)
     page.get_by_label("diameter [m]", exact=True).fill("4 mm")
     expect(page.locator(".refused")).to_be_visible()
+    expect(page.locator(".stage.stale")).to_be_visible()  # the picture is not of this case
     page.get_by_label("diameter [m]", exact=True).fill("40 mm")
-    page.get_by_label("Open a case").select_option("host")
+    open_case(page, "host")
+    page.get_by_role("button", name="Open the other").click()
     expect(page.locator(".said")).to_contain_text("host")
 
 

@@ -14,9 +14,12 @@ from small_silo import DRY, the_run
 
 from damper3d.case.case import DamperCase
 from damper3d.case.host.modes import read_modes
+from damper3d.measures.counted import Cycles
 from damper3d.run import protocol, vibration
 from damper3d.run.result import too_early
 from damper3d.run.steady import keeps_amplitude
+from damper3d.view.scene import Scene
+from granulab.campaign.runs.trajectory import Trajectory
 from granulab.errors import Stopped
 
 HOST = {"host.mass": "0.1 kg", "host.frequency": 80.0, "host.damping_ratio": 0.02}
@@ -241,6 +244,20 @@ def test_a_forced_host_whose_start_counts_says_so(tmp_path):
     assert "takes 37 to fall to 1 %" in few.steady_note
     case = load(tmp_path, {**FORCED, "run.cycles": 41, "run.discard": 37})
     assert protocol.run(case, out=tmp_path / "many").steady_note is None
+
+
+def test_pictures_have_the_amplitude_of_the_results(tmp_path):
+    """Made cycles, whose size and phase differ: the two that are discarded are in neither."""
+    case = load(tmp_path, {**FORCED, "run.cycles": 5})
+    sizes = np.repeat([9.0, 7.0, 2.0, 1.0 + 1.0j, 1.0j], case.settings.output.samples)
+    time = case.period / case.settings.output.samples * np.arange(len(sizes) + 1)
+    turned = np.concatenate([sizes[:1], sizes]) * np.exp(2j * np.pi * time / case.period)
+    samples = {"time": time, "displacement": turned.real, "host_energy": time}
+    summary = {"cycles": 5, "discarded": 2}
+    scene = Scene(Trajectory(samples, {}, {}, []), None, case.settings, summary)
+    found = Cycles(case, samples, 2)
+    assert found.amplitude == pytest.approx(abs(3 + 2j) / 3, rel=1e-9)
+    assert scene.peak_speed == pytest.approx(found.peak_speed, rel=1e-12)
 
 
 def test_a_free_decay_ends_when_it_is_over_and_is_drawn(tmp_path):

@@ -1,5 +1,7 @@
 """Filling protocols: with friction, layer by layer; what they leave, how they are kept apart."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from heaps import (
@@ -15,6 +17,7 @@ from refusals import assert_refused
 from small_silo import DRY, silo2d, write_case
 
 from silo2d.case.case import SiloCase
+from silo2d.case.filling import Layer, rows_of_rain
 from silo2d.engine.simulation import Simulation
 from silo2d.run.packing import packing_digest
 from silo2d.run.pour import normalised_kinetic_energy, pour
@@ -25,6 +28,18 @@ PROTOCOLS = {
     "friction": {"fill.friction": True},
     "layers": {"fill.layer": "40 mm"},
 }
+
+
+def test_the_rain_takes_the_memory_of_its_positions():
+    """Two numbers a particle, twice over while they are joined; millions are asked for by a slip
+    (a scale of 0.01), and the studio asks at each key."""
+    case = SiloCase.load("A4", {"particles.scale": 0.1})
+    tracemalloc.start()
+    positions, _ = rows_of_rain(case.outline, case.shapes, Layer(0.0, 0.475, 0.0))
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(positions) > 60_000
+    assert peak < 3 * positions.nbytes
 
 
 @pytest.fixture(scope="module")

@@ -2,8 +2,10 @@
 
 import shutil
 import signal
+import time
 import tomllib
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -17,9 +19,12 @@ from waiting import wait_until
 from damper3d.case.case import DamperCase
 from damper3d.run.sweep import DAMPER
 from granulab.campaign.runs.folder import RunFolder
+from granulab.errors import InputError
+from granulab.studio.desk import Desk
 from granulab.studio.folder import Folder
 from granulab.studio.forms import document, texts_of, to_toml
-from granulab.studio.rooms import damper, silo
+from granulab.studio.rooms import damper, drawings, silo
+from granulab.studio.rooms.simulator import Bench
 from silo2d.case.case import SiloCase
 from silo2d.case.settings import Settings
 from silo2d.run.sweep import SILO
@@ -117,8 +122,87 @@ def test_a_file_of_another_kind_is_opened_nowhere_else(tmp_path):
     shaken = {"name": "d", "motion": {"gamma": "5"}}  # all else is the thesis's
     BENCHES["damper3d"].save(folder, shaken, replace=False)
     assert BENCHES["damper3d"].texts(folder, "d.toml")["motion"] == {"gamma": "5"}
-    for command, name in (("damper3d", "s.toml"), ("silo2d", "d.toml")):
-        assert_refuses([name, "another"], BENCHES[command].texts, folder, name)
+    (tmp_path / "stones.toml").write_text(SHAPES)
+    for command, name, held in (
+        ("damper3d", "s.toml", "a case of silo2d"),
+        ("silo2d", "d.toml", "a case of damper3d"),
+        ("silo2d", "stones.toml", "shapes, no case of silo2d"),
+    ):
+        assert_refuses([name, held], BENCHES[command].texts, folder, name)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (SHAPES, "same.toml: holds shapes, no case of silo2d; give the case another name"),
+        ('schema = 1\n[material.wood]\ndensity = "0.45 g/cm3"\n', "same.toml: holds materials"),
+        ("schema = 1\n[motion]\ngamma = 5\n", "same.toml: holds a case of damper3d"),
+        ("no [[ TOML", "same.toml: not valid TOML"),
+    ],
+)
+def test_a_case_does_not_replace_a_file_of_something_else(tmp_path, content, words):
+    (tmp_path / "same.toml").write_text(content)
+    desk = Desk(tmp_path)
+    case = {"name": "same", "silo": {"preset": "A4"}}
+    if content == SHAPES:
+        case["particles"] = {"shapes": "same.toml"}
+    with pytest.raises(InputError) as refused:
+        desk.orders["save"]("silo2d", case, replace=True)
+    assert desk.without_root(str(refused.value)).startswith(words)
+    assert (tmp_path / "same.toml").read_text() == content
+
+
+def test_shapes_do_not_replace_a_case(tmp_path):
+    BENCHES["silo2d"].save(Folder(tmp_path), {"name": "s", "silo": {"preset": "A4"}}, replace=False)
+    before = (tmp_path / "s.toml").read_text()
+    square = {"name": "1", "outline": [[0, 0], [8, 0], [8, 8], [0, 8]]}
+    words = ["s.toml: holds no shapes; give these another name"]
+    drawn = Folder(tmp_path), "s", "1 mm", [square], True
+    assert_refuses(words, drawings.draw_shapes, *drawn)
+    assert (tmp_path / "s.toml").read_text() == before
+
+
+def test_a_case_written_by_hand_keeps_its_comments_where_nothing_has_changed(tmp_path):
+    bench, folder = BENCHES["silo2d"], Folder(tmp_path)
+    assert silo2d("init", tmp_path / "mine.toml").code == 0
+    before = (tmp_path / "mine.toml").read_text()
+    texts = bench.texts(folder, "mine.toml")
+    saved = bench.save(folder, texts, replace=False)
+    assert saved["exists"] is False
+    assert saved["run"] == SILO.run_folder(SiloCase.load(tmp_path / "mine.toml"), "runs").path.name
+    assert (tmp_path / "mine.toml").read_text() == before
+    texts["run"]["seed"] = "7"
+    assert bench.save(folder, texts, replace=False)["exists"] is True
+
+
+def test_a_silo_that_is_refused_for_something_else_is_shown(tmp_path):
+    bench, folder = BENCHES["silo2d"], Folder(tmp_path)
+    silo_alone = {"preset": "A4", "inserts": "[[[-40, 180], [40, 180], [0, 250]]]"}
+    fine = bench.check(folder, {"silo": silo_alone})["preview"]
+    for wrong in ({"fill": {"level": "999 mm"}}, {"law": {"mu_wall": "much"}}):
+        refused = bench.check(folder, {"silo": silo_alone, **wrong})
+        assert refused["refused"]
+        walls = ("outline", "lips", "inserts", "outlets")
+        assert refused["preview"] == {name: fine[name] for name in walls}
+    assert "preview" not in bench.check(folder, {"silo": {"preset": "A9"}})
+
+
+def test_cases_are_checked_one_at_a_time(tmp_path, monkeypatch):
+    """Each may take seconds and much memory; a page asks for another while one is on its way."""
+    desk, now, most = Desk(tmp_path), [], []
+
+    def check(bench, folder, texts):
+        now.append(1)
+        most.append(len(now))
+        time.sleep(0.02)
+        now.pop()
+        return {"refused": "slow"}
+
+    monkeypatch.setattr(Bench, "check", check)
+    with ThreadPoolExecutor(4) as together:
+        for one in [together.submit(desk.orders["check"], "silo2d", {}) for _ in range(4)]:
+            one.result()
+    assert most == [1, 1, 1, 1]
 
 
 def test_a_file_of_another_case_is_replaced_only_when_told(tmp_path):
@@ -204,7 +288,8 @@ def test_a_run_goes_on_after_the_studio_has_ended_to_the_bits_of_one_never_stopp
     begun = first.order("begin", simulator="silo2d", case=case, figures=False)
     run = begun["run"]
     again = first.order("begin", simulator="silo2d", case=case)
-    assert again["refusal"].endswith("wait for it")
+    assert again["run"] == run, "it is watched, not begun again"
+    assert first.order("check", simulator="silo2d", case=case)["state"] == "running"
 
     def has_a_frame(state: dict) -> bool:
         return "time" in first.ask("frame", run=run) or state["state"] != "running"
@@ -292,5 +377,8 @@ def test_particles_that_are_drawn_become_a_shape_file_or_are_refused(studio):
     refused = studio.order("draw_shapes", name="other", spheroradius="1 mm", shapes=[hollow])
     assert refused["refusal"].startswith("other.toml: [shape 1] outline: concave")
     assert not (studio.folder / "other.toml").exists()
+    tried = studio.order("draw_shapes", name="", spheroradius="1 mm", shapes=[hollow])
+    assert tried["refusal"].startswith("shapes.toml: [shape 1] outline: concave")
+    assert studio.order("draw_shapes", name="", spheroradius="1 mm", shapes=[one]) == {}
     again = studio.order("draw_shapes", name="mine", spheroradius="2 mm", shapes=[one])
     assert again["exists"] is True

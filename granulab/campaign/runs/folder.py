@@ -17,6 +17,7 @@ from granulab.errors import DamagedError, FolderError
 
 SCHEMA = 1  # of the JSON files, trajectories and checkpoints; raise it when their keys change
 RESULTS = ("records.csv", "trajectory.h5")  # of a finished run, besides its summary
+_LOOK = 0.2  # [s] in which others that look at a lock (is_computed) have let go of it
 _WRITTEN = 3600.0  # [s] in which a file is written
 _SEALS = "sealed_files"  # in the provenance
 _AGAIN = "use --again to compute the run again"
@@ -116,7 +117,7 @@ class RunFolder:
         held = FileLock(self.path / ".lock")  # the system's own lock: it ends with its process
         with writing(self.path):
             try:
-                held.acquire(blocking=False)
+                held.acquire(timeout=_LOOK)
             except Timeout:
                 raise BusyError(
                     f"{self.path}: another process computes this run now; wait for it, "
@@ -128,6 +129,21 @@ class RunFolder:
             yield
         finally:
             held.release()
+
+    @property
+    def is_computed(self) -> bool:
+        """True where a process computes in this folder now."""
+        from filelock import FileLock, Timeout
+
+        if not (self.path / ".lock").exists():
+            return False
+        try:
+            with FileLock(self.path / ".lock", timeout=0):
+                return False
+        except Timeout:
+            return True
+        except OSError:  # not ours to lock
+            return False
 
     def _clear_leftovers(self) -> None:
         """Remove what killed writers left; who shows the run may be writing, and has no lock."""

@@ -221,7 +221,7 @@ class CaseFile(Generic[Model]):
         try:
             return self.settings.model_validate(document)
         except ValidationError as error:
-            line = _one_line(error, known_keys(self.settings), self.least)
+            line = _one_line(error, sections(self.settings), self.least)
             raise InputError(f"{where}: {line}") from None
 
     def to_toml(self, settings: Model) -> str:
@@ -284,7 +284,28 @@ def flat(tables: dict[str, Any]) -> dict[str, Any]:
     return found
 
 
-def _one_line(error: ValidationError, tables: dict[str, list[str]], least: str) -> str:
+# Words on what pydantic finds of another type, by the first word of its name for that.
+_MUST = {
+    "int": "a whole number, without a point, exponent or unit",
+    "float": "a number, without quotation marks or a unit",
+    "list": "a list, in brackets",
+    "string": "a text, in quotation marks",
+    "bool": "true or false",
+}
+
+
+def _must_be(problem: Any, tables: dict[str, type[Section]], path: list[str]) -> str:
+    """What a value must be, with the example of its key."""
+    first, _, rest = problem["type"].partition("_")
+    if first not in _MUST or rest not in ("type", "parsing", "from_float"):
+        return str(problem["msg"]).lower().removeprefix("input should be ")
+    field = tables[path[0]].model_fields.get(path[1]) if path[0] in tables else None
+    examples = field.examples if field else None
+    such = f", such as {path[1]} = {toml_value(examples[0])}" if examples else ""
+    return _MUST[first] + such
+
+
+def _one_line(error: ValidationError, tables: dict[str, type[Section]], least: str) -> str:
     problems = error.errors()
     problem = problems[0]
     if problem["type"] == "string_type" and len(problems) > 1:  # of a text or a list, which it is
@@ -304,7 +325,7 @@ def _one_line(error: ValidationError, tables: dict[str, list[str]], least: str) 
         held = problem["ctx"]["actual_length"]
         given = reprlib.repr(problem["input"])
         return f"{key} = {given}: holds {held}; must hold at {which} {bound}"
-    what = problem["msg"].lower().removeprefix("input should be ")
+    what = _must_be(problem, tables, path)
     return f"{key} = {reprlib.repr(problem['input'])}: must be {what}"
 
 

@@ -3,6 +3,9 @@
 /** An answer that is no answer: its message is the line that says why. */
 export class Refused extends Error {}
 
+// Its new token is not ours: it answers nothing, and says no more.
+const RESTARTED = "the studio was restarted; open the address that its terminal shows";
+
 /** A question; its parameters are words. */
 export function ask(question, parameters = {}) {
   const query = new URLSearchParams(parameters).toString();
@@ -33,6 +36,6 @@ async function answer(sent) {
     throw new Refused("the studio does not answer; is it still running?");
   }
   const found = await reply.json().catch(() => ({}));
-  if (!reply.ok || found.refusal) throw new Refused(found.refusal ?? `answer ${reply.status}`);
+  if (!reply.ok || found.refusal) throw new Refused(found.refusal ?? (reply.status === 404 ? RESTARTED : `answer ${reply.status}`));
   return found;
 }

@@ -12,7 +12,8 @@ export class Case {
     Object.assign(this, { simulator, start, watch });
     this.form = new Form(start.simulators[simulator].form, () => this.check());
     this.name = h("input", { value: "case", "aria-label": "Name of the case", oninput: () => this.check() });
-    this.list = h("select", { class: "wide", "aria-label": "Open a case", onchange: () => this.open(this.list.value) });
+    this.list = h("select", { class: "wide", "aria-label": "Open a case", onfocus: () => this.lookAgain() });
+    this.openButton = h("button", { onclick: () => this.open(this.list.value) }, "Open");
     this.verdict = h("div", { "aria-live": "polite" });
     this.words = h("div", { class: "scroll" });
     this.file = h("pre", { class: "toml" });
@@ -22,7 +23,10 @@ export class Case {
     this.runButton = h("button", { class: "main run", onclick: () => this.run() }, "Run");
     this.shown = () => {}; // takes what the server says of the case
     this.filled = () => {}; // takes the texts of a case that was opened
-    this.count = 0;
+    this.listed = () => {}; // called when the files of the folder were listed again
+    this.place = `${start.folder}: ${simulator}`; // of the draft, in the memory of this window
+    this.safe = ""; // the texts that were opened or saved last
+    this.checking = this.stale = false;
     this.refreshList();
   }
 
@@ -31,7 +35,7 @@ export class Case {
     return h("div", {},
       h("div", { class: "field" }, h("label", {}, "Name", this.name),
         h("p", {}, "of the case file and of the folder of its runs")),
-      h("div", { class: "buttons" }, h("label", {}, "Open"), this.list, this.saveButton));
+      h("div", { class: "buttons" }, this.list, this.openButton, this.saveButton));
   }
 
   /** What the server says of the case, and running it. */
@@ -46,26 +50,52 @@ export class Case {
   refreshList() {
     const { presets } = this.start.simulators[this.simulator];
     const files = this.start.files.text.filter((name) => name.endsWith(".toml"));
-    choices(this.list, [["", [["", "a preset or file"]]], ["In the folder", files], ["Presets", presets]]);
+    if (String(files) === this.known) return; // an open list stays as it is
+    this.known = String(files);
+    choices(this.list, [["", [["", "a preset or file"]]], ["In the folder", files], ["Presets", presets]], this.list.value);
+    this.listed();
+  }
+
+  /** Lists the files of the folder again: others may have come. */
+  async lookAgain() {
+    this.start.files = await ask("files").catch(() => this.start.files);
+    this.refreshList();
   }
 
   texts() {
     return { name: this.name.value.trim() || "case", ...this.form.values() };
   }
 
-  /** Writes the texts of a case into the form. */
+  /** Writes the texts of a case, which are kept elsewhere, into the form. */
   fill(texts) {
     this.form.fill(texts);
     if (texts.name) this.name.value = texts.name;
+    this.safe = JSON.stringify(this.texts());
     this.filled(texts);
     this.check(0);
+  }
+
+  /** Begins with the draft of this window, or with a case. */
+  begin(texts) {
+    const draft = JSON.parse(sessionStorage.getItem(this.place) ?? "null");
+    this.fill(draft?.texts ?? texts);
+    if (!draft) return;
+    this.safe = draft.safe;
+    this.check(0); // keeps the draft as it was
+  }
+
+  /** Fills in another case, once it is known that this one may go; whether it did. */
+  async take(texts) {
+    const kept = JSON.stringify(this.texts()) === this.safe;
+    if (!kept && !(await confirmed(`The case ${this.texts().name} is not saved.`, "Open the other"))) return false;
+    this.fill(texts);
+    return true;
   }
 
   async open(name) {
     if (!name) return;
     try {
-      this.fill(await ask("open", { simulator: this.simulator, name }));
-      note(`opened ${name}`);
+      if (await this.take(await ask("open", { simulator: this.simulator, name }))) note(`opened ${name}`);
     } catch (error) {
       put(this.verdict, refusal(error.message));
     }
@@ -74,16 +104,28 @@ export class Case {
 
   /** Asks the server for its verdict, once nothing has changed for a moment. */
   check(pause = PAUSE) {
+    sessionStorage.setItem(this.place, JSON.stringify({ texts: this.texts(), safe: this.safe }));
+    this.stale = this.runButton.disabled = this.saveButton.disabled = true;
+    put(this.verdict, h("p", { class: "quiet" }, "checking ..."));
     clearTimeout(this.waiting);
-    const mine = ++this.count;
-    this.waiting = setTimeout(async () => {
+    this.waiting = setTimeout(() => this.judge(), pause);
+  }
+
+  /** One question at a time: what is asked meanwhile is asked when the answer is there. */
+  async judge() {
+    if (this.checking) return;
+    this.checking = true;
+    while (this.stale) {
+      this.stale = false;
+      const asked = this.texts();
       try {
-        const found = await order("check", { simulator: this.simulator, case: this.texts() });
-        if (mine === this.count) this.tell(found);
+        const found = await order("check", { simulator: this.simulator, case: asked });
+        if (!this.stale) this.tell(found);
       } catch (error) {
-        if (mine === this.count) put(this.verdict, refusal(error.message));
+        if (!this.stale) put(this.verdict, refusal(error.message));
       }
-    }, pause);
+    }
+    this.checking = false;
   }
 
   tell(found) {
@@ -105,7 +147,7 @@ export class Case {
   async run() {
     this.runButton.disabled = true;
     const done = await this.asked("begin", { figures: this.figures.checked });
-    this.runButton.disabled = false;
+    this.runButton.disabled = this.stale || this.checking;
     if (done) this.watch(done.run);
   }
 
@@ -119,8 +161,9 @@ export class Case {
         if (!(await confirmed(words, "Replace it"))) return null;
         done = await order(what, { ...body, replace: true });
       }
-      this.start.files = await ask("files");
-      this.refreshList();
+      this.safe = JSON.stringify(body.case);
+      this.check(0);
+      await this.lookAgain();
       return done;
     } catch (error) {
       put(this.verdict, refusal(error.message));
@@ -134,9 +177,14 @@ function inRows(rows) {
   return h("table", {}, h("tbody", {}, rows.map(([label, words]) => h("tr", {}, h("th", { scope: "row" }, label), h("td", {}, words)))));
 }
 
-const RUN = { finished: "Show its run", unfinished: "Go on with its run" };
+const RUN = {
+  finished: "Show its run", unfinished: "Go on with its run", running: "Watch its run", elsewhere: "Watch its run",
+};
 
 function inShort({ preview, state }) {
-  const known = { new: "", unfinished: " A run of it was begun.", finished: " A run of it is finished." };
+  const known = {
+    new: "", unfinished: " A run of it was begun.", finished: " A run of it is finished.",
+    running: " Its run goes on.", elsewhere: " Its run goes on in another program.",
+  };
   return `About ${preview.expected} particles; nothing is refused.${known[state]}`;
 }

@@ -1,6 +1,6 @@
 // Dampers: enclosure, particles, motion or host, with a view of how a case begins.
 
-import { ask, order, send } from "./api.js";
+import { order, send } from "./api.js";
 import { Case } from "./case.js";
 import { h, note, put, refusal } from "./dom.js";
 import { materialsTable } from "./materials.js";
@@ -16,7 +16,11 @@ export function damperRoom(start, watch) {
   let filling = false;
   let preview = null;
   one.shown = (found) => {
-    if (!found.preview) return;
+    stage.classList.toggle("stale", !found.preview); // its picture is that of another case
+    if (!found.preview) {
+      put(words);
+      return;
+    }
     preview = found.preview;
     space.show({ ...preview, ...(asked === found.toml ? space.scene : {}), walls: preview.walls });
     put(words, `Fill ratio ${preview.fill_ratio.toFixed(3)}.`);
@@ -44,23 +48,22 @@ export function damperRoom(start, watch) {
   }
   const groups = ["enclosure", "particles", "motion", "host", "excitation", "fill", "run", "law", "output"];
   const room = h("div", { class: "bench" },
-    h("section", { class: "keys" }, one.head(), added(one, start),
+    h("section", { class: "keys" }, one.head(), added(one),
       groups.map((name, k) => one.form.group(name, { open: k < 3 })), sources(one)),
     h("section", { class: "drawing" }, words, stage),
     one.side());
-  one.fill({ name: "damper", enclosure: { diameter: "40 mm", height: "40 mm" }, particles: { shape: "sphere:5mm" } });
-  return { element: room, leave() {}, fill: (texts) => one.fill(texts) };
+  one.begin({ name: "damper", enclosure: { diameter: "40 mm", height: "40 mm" }, particles: { shape: "sphere:5mm" } });
+  return { element: room, enter: () => one.check(0), leave() {}, take: (texts) => one.take(texts) };
 }
 
 /** Files that a case may name: cavities, meshes, signals, modes. */
-function added(one, start) {
+function added(one) {
   const input = h("input", { type: "file", hidden: true, accept: ".stl,.obj,.csv,.wav,.toml", onchange: async () => {
     const [file] = input.files;
     input.value = "";
     try {
       note(`${await send(file)} is in the folder; name it in the case`);
-      start.files = await ask("files");
-      one.refreshList();
+      await one.lookAgain();
     } catch (error) {
       put(one.verdict, refusal(error.message));
     }

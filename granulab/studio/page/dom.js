@@ -47,11 +47,18 @@ export function confirmed(words, yes) {
   });
 }
 
-/** A dialog with a heading and a way to close it. */
-export function opened(heading, ...children) {
-  const dialog = h("dialog", { "aria-label": heading, onclose: () => dialog.remove() },
-    h("div", { class: "buttons" }, h("h2", {}, heading),
-      h("button", { onclick: () => dialog.close(), "aria-label": "Close" }, "Close")),
+/** A dialog with a heading and a way to close it; loss(): what is lost then, to be asked first. */
+export function opened(heading, loss, ...children) {
+  const leave = async (event) => {
+    event.preventDefault();
+    const lost = loss();
+    if (!lost || (await confirmed(lost, "Close"))) dialog.close();
+  };
+  const dialog = h("dialog", {
+    "aria-label": heading, onclose: () => dialog.remove(), oncancel: leave,
+    onkeydown: (event) => event.key === "Escape" && leave(event), // browsers cancel a second time without asking
+  }, h("div", { class: "buttons" }, h("h2", {}, heading),
+    h("button", { onclick: leave, "aria-label": "Close" }, "Close")),
     ...children);
   document.body.append(dialog);
   dialog.showModal();
@@ -73,7 +80,7 @@ export function choices(select, groups, chosen = "") {
 
 /** Gives a view's canvas the pixels of its place, and the view its width, height, pixels a px. */
 export function filled(view) {
-  const { width, height } = view.canvas.parentElement.getBoundingClientRect();
+  const { clientWidth: width, clientHeight: height } = view.canvas.parentElement;
   if (!width || !height) return false;
   const ratio = devicePixelRatio || 1;
   Object.assign(view, { width, height, ratio });

@@ -8,7 +8,7 @@ import { mapRoom } from "./map.js";
 import { runsRoom } from "./runs.js";
 import { siloRoom } from "./silo.js";
 
-const place = document.getElementById("room");
+const room = document.getElementById("room");
 const tabs = document.getElementById("tabs");
 
 async function begin() {
@@ -16,36 +16,61 @@ async function begin() {
   try {
     start = await ask("start");
   } catch (error) {
-    put(place, refusal(error.message));
+    put(room, refusal(error.message));
     return;
   }
   document.getElementById("folder").textContent = start.folder;
   const kept = new Map(); // rooms that keep what was written in them
   let shown = null;
-  const watch = (run) => show("runs", run);
+  const watch = (run) => go("runs", run);
   const openCase = (simulator, texts) => {
-    show(ROOM_OF[simulator]);
-    kept.get(ROOM_OF[simulator]).fill?.(texts);
+    go(ROOM_OF[simulator]);
+    kept.get(ROOM_OF[simulator]).take(texts);
   };
+  const place = (name, what) => history.pushState(null, "", address(name, what));
   const rooms = {
     silo: ["Silo", () => siloRoom(start, watch)],
     damper: ["Damper", () => damperRoom(start, watch)],
     map: ["Map", () => mapRoom(start)],
     lab: ["Laboratory", () => labRoom(start)],
-    runs: ["Runs", (run) => runsRoom(start, run, openCase)],
+    runs: ["Runs", (run) => runsRoom(start, run, openCase, (chosen) => place("runs", chosen))],
   };
   function show(name, what) {
     if (shown) kept.get(shown)?.leave();
     if (name === "runs" || !kept.has(name)) kept.set(name, rooms[name][1](what));
+    else kept.get(name).enter?.();
     shown = name;
-    put(place, kept.get(name).element);
-    for (const tab of tabs.children) tab.setAttribute("aria-selected", String(tab.dataset.room === name));
-    history.replaceState(null, "", `#${name}`);
+    put(room, kept.get(name).element);
+    for (const tab of tabs.children) {
+      tab.setAttribute("aria-selected", String(tab.dataset.room === name));
+      tab.tabIndex = tab.dataset.room === name ? 0 : -1;
+    }
+  }
+  function go(name, what) {
+    place(name, what);
+    show(name, what);
+  }
+  function toAddress() {
+    const [name, run] = location.hash.slice(1).split("/");
+    if (name in rooms) show(name, run && decodeURIComponent(run));
+    else show("silo");
   }
   put(tabs, Object.entries(rooms).map(([name, [words]]) =>
-    h("button", { role: "tab", "data-room": name, onclick: () => show(name) }, words)));
-  const wanted = location.hash.slice(1);
-  show(wanted in rooms ? wanted : "silo");
+    h("button", { role: "tab", "data-room": name, onclick: () => go(name) }, words)));
+  tabs.addEventListener("keydown", ({ key }) => {
+    const by = { ArrowLeft: -1, ArrowRight: 1 }[key];
+    if (!by) return;
+    const all = [...tabs.children];
+    const next = all.at((all.indexOf(document.activeElement) + by) % all.length);
+    next.focus();
+    next.click();
+  });
+  addEventListener("popstate", toAddress);
+  toAddress();
+}
+
+function address(name, run) {
+  return run ? `#${name}/${encodeURIComponent(run)}` : `#${name}`;
 }
 
 const ROOM_OF = { silo2d: "silo", damper3d: "damper" };

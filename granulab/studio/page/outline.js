@@ -1,15 +1,18 @@
 // An outline drawn on a plane with the mouse, or with the keys: points on a grid, closed at the first.
 
-const NEAR = 9; // px
+const NEAR = 9; // px, at most
 
 export class Outline {
-  /** changed: called with what is done, when it is. unit: [m] of the points, 1e-3 for mm. */
-  constructor(plane, changed, unit = 1e-3) {
-    Object.assign(this, { plane, changed, unit });
+  /**
+   * changed: called when the outline is, after an undo with what `kept` gave before that step.
+   */
+  constructor(plane, changed, kept = () => null) {
+    Object.assign(this, { plane, changed, kept });
+    this.measure("mm", 1e-3);
     this.points = []; // in its unit
     this.closed = false;
     this.active = false; // whether pointers draw
-    this.step = 10; // of the grid, in its unit
+    this.grid = 0.01; // m between points
     this.cursor = null; // where a key would set a point
     this.picked = null; // number of the point that is moved
     this.past = [];
@@ -30,6 +33,16 @@ export class Outline {
     this.plane.draw();
   }
 
+  /** The unit of the points, and how long it is [m]. */
+  measure(name, unit) {
+    Object.assign(this, { name, unit });
+  }
+
+  /** Distance [m] between lines of the grid. */
+  get step() {
+    return this.grid / this.unit;
+  }
+
   set(points, closed = true) {
     Object.assign(this, { points: points.map(([x, y]) => [x, y]), closed, picked: null });
     this.plane.draw();
@@ -43,14 +56,14 @@ export class Outline {
 
   undo() {
     if (!this.past.length) return;
-    [this.points, this.closed] = this.past.pop();
-    this.picked = null;
+    const [points, closed, kept] = this.past.pop();
+    Object.assign(this, { points, closed, picked: null });
+    this.changed(kept);
     this.plane.draw();
-    this.changed();
   }
 
   remember() {
-    this.past.push([this.points.map((point) => [...point]), this.closed]);
+    this.past.push([this.points.map((point) => [...point]), this.closed, this.kept()]);
     if (this.past.length > 100) this.past.shift();
   }
 
@@ -60,12 +73,17 @@ export class Outline {
     return [x, y].map((value) => round(Math.round(value / this.unit / this.step) * this.step));
   }
 
-  near(px, py) {
+  cornerAt(px, py) {
     const found = this.points.findIndex((point) => {
       const [x, y] = this.pixels(point);
-      return Math.hypot(x - px, y - py) <= NEAR;
+      return Math.hypot(x - px, y - py) <= this.near();
     });
     return found < 0 ? null : found;
+  }
+
+  /** How near [px] the pointer must be: corners on neighbouring points of the grid stay apart. */
+  near() {
+    return Math.min(NEAR, (this.grid * this.plane.scale) / 2);
   }
 
   pixels([x, y]) {
@@ -76,7 +94,7 @@ export class Outline {
     if (!this.active || event.button !== 0) return false;
     const { offsetX: px, offsetY: py } = event;
     this.plane.canvas.focus({ preventScroll: true });
-    const at = this.near(px, py);
+    const at = this.cornerAt(px, py);
     if (at !== null && !(at === 0 && !this.closed && this.points.length > 2)) {
       this.remember();
       this.picked = at;
@@ -84,22 +102,21 @@ export class Outline {
       this.plane.canvas.setPointerCapture(event.pointerId);
       this.plane.draw();
     } else {
-      this.place(this.snapped(px, py), px, py);
+      this.place(at === 0 ? this.points[0] : this.snapped(px, py), [px, py]);
     }
     return true;
   }
 
   /** Sets a point: at the end of an open outline, or in the edge of a closed one that it is on. */
-  place(point, px, py) {
+  place(point, at = this.pixels(point)) {
     this.remember();
-    const first = this.points[0];
-    if (!this.closed && this.points.length > 2 && (this.near(px, py) === 0 || same(point, first))) {
+    if (!this.closed && this.points.length > 2 && same(point, this.points[0])) {
       this.closed = true;
       if (area(this.points) < 0) this.points.reverse();
     } else if (!this.closed) {
       if (!this.points.length || !same(point, this.points.at(-1))) this.points.push(point);
     } else {
-      const edge = this.edgeAt(px, py);
+      const edge = this.edgeAt(at);
       if (edge === null) { this.past.pop(); return; }
       this.points.splice(edge + 1, 0, point);
       this.picked = edge + 1;
@@ -108,9 +125,9 @@ export class Outline {
     this.changed();
   }
 
-  edgeAt(px, py) {
+  edgeAt(at) {
     const ends = this.points.map((point) => this.pixels(point));
-    const found = ends.findIndex((from, k) => distance([px, py], from, ends[(k + 1) % ends.length]) <= NEAR);
+    const found = ends.findIndex((from, k) => distance(at, from, ends[(k + 1) % ends.length]) <= this.near());
     return found < 0 ? null : found;
   }
 
@@ -136,8 +153,7 @@ export class Outline {
       const from = this.cursor ?? this.points.at(-1) ?? [0, 0];
       this.cursor = from.map((value, k) => round(value + by[k] * far));
     } else if (event.key === "Enter" && this.cursor) {
-      const [px, py] = this.pixels(this.cursor);
-      this.place(this.cursor, px, py);
+      this.place(this.cursor);
     } else if (event.key === "Delete" || event.key === "Backspace") {
       this.remove();
     } else if (event.key === "z" && (event.ctrlKey || event.metaKey)) {
@@ -190,7 +206,7 @@ export class Outline {
     context.stroke();
     context.fillStyle = plane.colour("ink");
     context.font = "12px system-ui, sans-serif";
-    context.fillText(`${this.cursor[0]}, ${this.cursor[1]} mm`, px + 10, py - 8);
+    context.fillText(`${this.cursor[0]}, ${this.cursor[1]} ${this.name}`, px + 10, py - 8);
   }
 }
 

@@ -6,8 +6,8 @@ import { frameView } from "./frames.js";
 
 const EVERY = 700; // ms between looks at a run that goes on
 
-/** The room of runs; chosen: the one to show. */
-export function runsRoom(start, chosen, openCase) {
+/** The room of runs; chosen: the one to show; place: gets its name, for the address. */
+export function runsRoom(start, chosen, openCase, place) {
   const list = h("ul", { class: "list", "aria-label": "Runs" });
   const view = h("section", { class: "run" });
   let watching = null;
@@ -20,8 +20,8 @@ export function runsRoom(start, chosen, openCase) {
       return;
     }
     put(list, known.length ? known.map((run) => h("li", {}, h("button", {
-      "aria-pressed": String(run.run === chosen), onclick: () => show(run.run),
-    }, run.run, h("small", {}, `${run.simulator}: ${stateWords(run)}`))))
+      "aria-pressed": String(run.run === chosen), onclick: () => { place(run.run); show(run.run); },
+    }, run.run, h("small", {}, [run.simulator, stateWords(run)].filter(Boolean).join(": ")))))
       : h("p", { class: "quiet" }, "No run in this folder yet."));
   }
   async function show(run) {
@@ -29,6 +29,7 @@ export function runsRoom(start, chosen, openCase) {
     watching?.leave();
     watching = watchedRun(run, view, { refresh, openCase, others: () => known });
     await refresh();
+    view.scrollIntoView({ block: "nearest" }); // below the list on a small window
   }
   refresh().then(() => { if (chosen) show(chosen); });
   return {
@@ -38,7 +39,8 @@ export function runsRoom(start, chosen, openCase) {
 }
 
 function stateWords({ state, failure }) {
-  if (state === "running") return "running";
+  if (state === "running" || state === "damaged") return state;
+  if (state === "elsewhere") return "runs in another program";
   return failure ? `failed: ${failure}` : state;
 }
 
@@ -50,9 +52,10 @@ function watchedRun(run, place, { refresh, openCase, others }) {
   const stopping = h("button", { onclick: () => ordered("stop") }, "Stop");
   const resuming = h("button", { class: "main", onclick: () => ordered("resume") }, "Go on");
   const stage = h("div", { class: "watch" });
-  const said = h("div");
+  const said = h("div"); // what an order was answered
+  const state = h("div"); // what is wrong with the run now
   const results = h("div");
-  put(place, title, h("div", { class: "buttons" }, stopping, resuming), bar, words, said, stage, results);
+  put(place, title, h("div", { class: "buttons" }, stopping, resuming), bar, words, said, state, stage, results);
   let [left, timer, view, last, shown] = [false, 0, null, "", ""];
 
   async function ordered(what) {
@@ -71,24 +74,24 @@ function watchedRun(run, place, { refresh, openCase, others }) {
     try {
       found = await ask("run", { run });
     } catch (error) {
-      put(said, refusal(error.message));
+      put(state, refusal(error.message));
       timer = setTimeout(look, 4 * EVERY);
       return;
     }
-    const going = found.state === "running";
+    const going = found.state === "running" || found.state === "elsewhere";
     const { process } = found;
-    stopping.hidden = !going;
+    stopping.hidden = found.state !== "running";
     resuming.hidden = going || found.state !== "unfinished";
-    bar.hidden = found.state === "finished" || !process;
+    bar.hidden = ["finished", "elsewhere"].includes(found.state) || !process;
     bar.value = process?.percent ?? 0;
     put(words, doing(found));
-    if (process?.line) put(said, refusal(process.line));
-    else if (found.failure) put(said, refusal(found.failure));
+    const wrong = going || found.state === "finished" ? "" : process?.line || found.failure;
+    if (state.textContent !== wrong) put(state, refusal(wrong));
     if (found.state !== "finished") await drawFrame(found);
     if (found.state !== shown || others().every((one) => one.run !== run)) await refresh();
     if (found.state === "finished" && shown !== "finished") showResults(found);
     shown = found.state;
-    if (going && !left) timer = setTimeout(look, EVERY);
+    if (found.state !== "finished" && !left) timer = setTimeout(look, going ? EVERY : 4 * EVERY);
   }
   async function drawFrame({ simulator, state }) {
     const frame = await ask("frame", { run }).catch(() => ({}));
@@ -117,6 +120,7 @@ function watchedRun(run, place, { refresh, openCase, others }) {
 
 function doing({ state, process }) {
   if (state === "finished") return "finished";
+  if (state === "elsewhere") return "runs in another program";
   if (!process) return "unfinished; it goes on from its last checkpoint";
   const last = process.lines.at(-1) ?? "";
   if (state === "running") return `${process.percent ?? 0} % ${process.words || last}`;

@@ -33,8 +33,19 @@ export function drawnShapes(taken) {
   const list = h("ul", { class: "list" });
   const said = h("div");
   const shapes = [];
-  const keep = h("button", { disabled: true, onclick: () => {
-    shapes.push({ name: `${shapes.length + 1}`, outline: outline.points.map((point) => [...point]) });
+  let added = 0;
+  const keep = h("button", { disabled: true, onclick: async () => {
+    const shape = { name: `${added + 1}`, outline: outline.points.map((point) => [...point]) };
+    try {
+      await order("draw_shapes", { name: "", spheroradius: radius.value, shapes: [shape] });
+    } catch (error) {
+      put(said, refusal(error.message));
+      return;
+    }
+    put(said);
+    shapes.push(shape);
+    added += 1;
+    outline.past = [];
     outline.set([], false);
     refresh();
   } }, "Add this shape");
@@ -46,12 +57,14 @@ export function drawnShapes(taken) {
     taken(file);
   } }, "Save and use");
   function refresh() {
-    put(list, shapes.map((shape) => h("li", {},
-      `${shape.name}: ${shape.outline.length} corners, ${Math.abs(area(shape.outline)).toFixed(1)} mm\u00b2`)));
+    put(list, shapes.map((shape, k) => h("li", {}, h("span", {},
+      `${shape.name}: ${shape.outline.length} corners, ${Math.abs(area(shape.outline)).toFixed(1)} mm\u00b2 `),
+    h("button", { "aria-label": `Leave out shape ${shape.name}`, onclick: () => { shapes.splice(k, 1); refresh(); } }, "\u00d7"))));
     keep.disabled = !outline.closed;
     save.disabled = !shapes.length;
   }
-  const dialog = opened("Draw particles", h("p", { class: "quiet" },
+  const loss = () => (shapes.length || outline.points.length ? "The shapes that are drawn here are not saved." : "");
+  const dialog = opened("Draw particles", loss, h("p", { class: "quiet" },
     "Outer corners, convex, on a grid of 1 mm; the first corner again closes a shape. Corners are rounded by the "
     + "spheroradius. Drag corners to move them."), stage,
   h("div", { class: "buttons" }, h("button", { onclick: () => outline.undo() }, "Undo"),
@@ -62,7 +75,7 @@ export function drawnShapes(taken) {
   plane.canvas.setAttribute("aria-label", "A particle. Arrows move, Enter sets a corner, Delete takes it away.");
   plane.grid = 0.001;
   const outline = new Outline(plane, refresh);
-  outline.step = 1;
+  outline.grid = 0.001;
   outline.activate(true);
   plane.fit([-0.015, 0.015, -0.012, 0.012]);
 }
@@ -134,7 +147,7 @@ export function importedShapes(taken) {
     if (ends.length === 2 && fields.bar.value) look();
   });
   for (const one of Object.values(fields)) one.addEventListener("change", look);
-  const dialog = opened("Particles from a photograph or a drawing", h("p", { class: "quiet" },
+  const dialog = opened("Particles from a photograph or a drawing", () => "", h("p", { class: "quiet" },
     "A picture of particles that lie apart on an even background, with a scale bar; or an SVG or DXF whose closed "
     + "curves are particles."), h("div", { class: "drop" }, input), picture, bars, scales, units,
   field("Spheroradius", fields.spheroradius), field("Tolerance", fields.tolerance), said,

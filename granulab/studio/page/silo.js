@@ -1,6 +1,6 @@
 // Silos: the outline drawn or imported, particles and materials chosen, what will be poured shown.
 
-import { ask, order, send } from "./api.js";
+import { order, send } from "./api.js";
 import { Case } from "./case.js";
 import { choices, h, note, put, refusal } from "./dom.js";
 import { Outline } from "./outline.js";
@@ -17,7 +17,7 @@ export function siloRoom(start, watch) {
   const stage = h("div", { class: "stage" });
   const plane = new Plane(stage);
   plane.canvas.setAttribute("aria-label", "The silo. While drawing: arrows move, Enter sets a point, Delete takes it away.");
-  const outline = new Outline(plane, () => written(one, outline));
+  const outline = new Outline(plane, (kept) => written(one, outline, kept), () => REPLACED.map((key) => one.form.get(`silo.${key}`)));
   const bar = toolbar(one, plane, outline);
   let preview = null;
   plane.layers.unshift(() => drawPreview(plane, preview, outline, bar.poured.checked));
@@ -25,14 +25,15 @@ export function siloRoom(start, watch) {
   one.shown = (found) => {
     const before = preview;
     preview = found.preview ?? null;
+    bar.unseen.hidden = !preview?.particles || preview.particles.kind.length > 0;
     if (preview && !plane.moved && !outline.active && String(before?.outline) !== String(preview.outline)) {
       plane.fit(around(preview));
     }
     plane.draw();
   };
   one.filled = (texts) => {
-    const points = pointsOf(texts.silo?.outline);
-    outline.set(points ?? [], Boolean(points));
+    outline.past = [];
+    read();
     bar.draw(false);
     plane.moved = false;
   };
@@ -44,21 +45,39 @@ export function siloRoom(start, watch) {
       ["run", "law", "disorder", "pymunk", "output"].map((name) => one.form.group(name))),
     h("section", { class: "drawing" }, bar.element, stage),
     one.side());
-  one.form.inputs.get("silo.outline").addEventListener("input", () => {
-    const points = pointsOf(one.form.get("silo.outline"));
-    if (points) outline.set(points);
-    else outline.set([], false);
-  });
+  /** Outline and unit as the form has them. */
+  function read() {
+    const points = measured(one, outline) ? pointsOf(one.form.get("silo.outline")) : null;
+    outline.set(points ?? [], Boolean(points));
+  }
+  for (const key of ["outline", "outline_unit"]) one.form.inputs.get(`silo.${key}`).addEventListener("input", read);
   plane.fit(FRESH);
-  one.fill({ name: "silo", silo: { preset: "A4" } });
-  return { element: room, leave() {}, fill: (texts) => one.fill(texts) };
+  one.begin({ name: "silo", silo: { preset: "A4" } });
+  return { element: room, enter: () => one.check(0), leave() {}, take: (texts) => one.take(texts) };
 }
 
-/** Writes the drawn outline into the form: once it is closed, in place of preset and hopper. */
-function written(one, outline) {
-  for (const key of ["preset", "angle", "width", "height"]) one.form.set(`silo.${key}`, "");
-  one.form.set("silo.outline", JSON.stringify(outline.points).replaceAll(",", ", "));
-  one.form.set("silo.outline_unit", "");
+// Keys in whose place an outline stands, or that go with it, and how long its units are [m].
+const REPLACED = ["preset", "angle", "width", "height", "outline", "outline_unit", "outlet", "outlet_centre"];
+const UNITS = { um: 1e-6, mm: 1e-3, cm: 1e-2, m: 1 };
+
+/** Gives the outline the unit of the form; false where it is one in which nothing is drawn. */
+function measured(one, outline) {
+  const unit = one.form.get("silo.outline_unit").trim() || "mm";
+  const known = unit in UNITS;
+  outline.measure(known ? unit : "mm", known ? UNITS[unit] : UNITS.mm);
+  return known;
+}
+
+/** Writes the drawn outline into the form, in place of preset and hopper; kept: texts before it. */
+function written(one, outline, kept) {
+  if (kept) {
+    REPLACED.forEach((key, k) => one.form.set(`silo.${key}`, kept[k]));
+    measured(one, outline);
+  } else {
+    for (const key of ["preset", "angle", "width", "height"]) one.form.set(`silo.${key}`, "");
+    one.form.set("silo.outline", JSON.stringify(outline.points).replaceAll(",", ", "));
+    if (!measured(one, outline)) one.form.set("silo.outline_unit", "");
+  }
   one.check();
 }
 
@@ -75,9 +94,10 @@ function toolbar(one, plane, outline) {
   const drawing = h("button", { "aria-pressed": "false", onclick: () => draw(!outline.active) }, "Draw the outline");
   const step = h("select", { "aria-label": "Grid" });
   choices(step, [["", [["50", "grid 50 mm"], ["10", "grid 10 mm"], ["5", "grid 5 mm"], ["1", "grid 1 mm"]]]], "10");
-  step.addEventListener("change", () => { outline.step = Number(step.value); plane.grid = outline.step / 1000; plane.draw(); });
+  step.addEventListener("change", () => { outline.grid = plane.grid = Number(step.value) / 1000; plane.draw(); });
   plane.grid = 0.01;
   const poured = h("input", { type: "checkbox", checked: true });
+  const unseen = h("span", { class: "quiet", hidden: true }, "(too many to draw)");
   const hint = h("p", { class: "quiet", role: "status" });
   function draw(active) {
     outline.activate(active);
@@ -101,8 +121,8 @@ function toolbar(one, plane, outline) {
       h("button", { onclick: () => plane.zoom(1.3), "aria-label": "Enlarge" }, "+"),
       h("button", { onclick: () => plane.zoom(1 / 1.3), "aria-label": "Make smaller" }, "\u2212"),
       h("button", { onclick: () => plane.fit() }, "Whole"),
-      h("label", {}, poured, "as poured")), hint);
-  return { element, poured, draw };
+      h("label", {}, poured, "as poured ", unseen)), hint);
+  return { element, poured, unseen, draw };
 }
 
 async function imported(one, plane, outline, input, unit, draw) {
@@ -113,7 +133,8 @@ async function imported(one, plane, outline, input, unit, draw) {
     const name = await send(file);
     const found = await order("outline", { file: name, unit });
     outline.remember();
-    outline.set(found.outline);
+    const factor = UNITS.mm / outline.unit;
+    outline.set(found.outline.map((point) => point.map((value) => Number((factor * value).toPrecision(12)))));
     draw(false);
     plane.moved = false;
     for (const key of ["outlet", "outlet_centre"]) one.form.set(`silo.${key}`, found[key] ?? "");
@@ -135,7 +156,7 @@ function drawPreview(plane, preview, outline, poured) {
   if (!preview) return;
   const { context } = plane;
   const at = outline.active || outline.points.length ? drawnAt(preview, outline) : [0, 0];
-  if (poured && (!outline.active || outline.closed)) {
+  if (preview.particles && poured && (!outline.active || outline.closed)) {
     const pose = preview.particles.pose.map(([x, y, angle]) => [x + at[0], y + at[1], angle]);
     plane.particles({ kind: preview.particles.kind, pose }, preview.shapes);
   }
@@ -151,7 +172,7 @@ function drawPreview(plane, preview, outline, poured) {
   });
   const level = preview.level + at[1];
   const [left, right] = [Math.min(...corners.map(([x]) => x)), Math.max(...corners.map(([x]) => x))];
-  plane.trace([[left, level], [right, level]], false);
+  plane.trace(preview.particles ? [[left, level], [right, level]] : [], false);
   context.setLineDash([6, 5]);
   context.lineWidth = 1;
   context.strokeStyle = plane.colour("quiet");
@@ -182,7 +203,7 @@ function particlesGroup(one, start) {
   const box = h("div", { class: "materials" });
   const shapes = h("select", { class: "wide", "aria-label": "Shapes from the catalogue" });
   const tables = h("select", { class: "wide", "aria-label": "Materials tables" });
-  const refresh = () => {
+  one.listed = () => {
     const own = start.files.text.filter((name) => name.endsWith(".toml"));
     choices(shapes, [["", [["", "from the catalogue"]]], ["Shipped", start.shapes], ["In the folder", own]]);
     choices(tables, [["", [["", "from the catalogue"]]], ["Shipped", start.materials], ["In the folder", own]]);
@@ -191,13 +212,12 @@ function particlesGroup(one, start) {
   shapes.addEventListener("change", () => { chosen("shapes", shapes.value); shapes.value = ""; });
   tables.addEventListener("change", () => { chosen("materials", tables.value); tables.value = ""; });
   const taken = async (file) => {
-    start.files = await ask("files");
-    refresh();
-    one.refreshList();
+    await one.lookAgain();
     chosen("shapes", file);
     note(`particles of ${file}`);
   };
-  refresh();
+  one.listed();
+  for (const list of [shapes, tables]) list.addEventListener("focus", () => one.lookAgain());
   const sources = h("details", { ontoggle: () => sources.open && materialsTable(box, one.form.get("particles.materials") || "wood") },
     h("summary", {}, "Materials and their sources"), box);
   group.append(

@@ -67,7 +67,11 @@ def draw_shapes(
     folder: Folder, name: str, spheroradius: str, shapes: Sequence[Mapping[str, Any]],
     replace: bool = False,
 ) -> dict[str, Any]:  # fmt: skip
-    """Write a shape file of outlines [mm] that were drawn, once it is one that a case can read."""
+    """Write a shape file of outlines [mm] that were drawn, once it is one that a case can read.
+
+    name: of the file; "": none is written, and a shape that no case can read is refused all the
+    same.
+    """
     lines = [
         "# Drawn in granulab studio.", "schema = 1", f"spheroradius = {toml_value(spheroradius)}",
         'unit = "mm"',
@@ -106,13 +110,23 @@ def _length(text: str, name: str) -> float | None:
 
 
 def _written(folder: Folder, name: str, text: str, replace: bool) -> dict[str, Any]:
-    """Keep a shape file that can be read; whether another stands under its name."""
-    name = name if name.endswith(".toml") else f"{name}.toml"
+    """Keep a shape file that can be read; whether another stands under its name.
+
+    InputError where something else than shapes stands there.
+    """
+    file = name if name.endswith(".toml") else f"{name or 'shapes'}.toml"
     with tempfile.TemporaryDirectory() as place:
         tried = Path(place) / "shapes.toml"
         tried.write_text(text, encoding="utf-8", newline="\n")
         try:
             load_shapes(tried)
         except InputError as error:
-            raise InputError(str(error).replace(str(tried), name)) from None
-    return {"file": name, "exists": not folder.write(name, text, replace)}
+            raise InputError(str(error).replace(str(tried), file)) from None
+    if not name:
+        return {}
+    if folder.path(file).is_file():
+        try:
+            load_shapes(folder.path(file))
+        except InputError:
+            raise InputError(f"{file}: holds no shapes; give these another name") from None
+    return {"file": file, "exists": not folder.write(file, text, replace)}

@@ -16,6 +16,7 @@ from granulab.studio.rooms.simulator import Bench
 _SHOWN = (".png", ".mp4", ".webm", ".gif")  # of a run's figures
 _BESIDE = (".toml", ".csv", ".wav", ".stl", ".obj")  # of files that a run keeps with its case
 _MOST_RUNS = 500
+GOING = ("running", "elsewhere")  # states of a run that a process computes: of the page, another's
 _PLAYER_MB = 6.0  # of the page that plays a run, at most: it goes no further than this machine
 
 
@@ -31,8 +32,14 @@ class Runs:
         cases.sort(key=lambda case: case.stat().st_mtime, reverse=True)
         found = []
         for case in cases[:_MOST_RUNS]:
-            with contextlib.suppress(InputError):  # a link that leads out, a case of no simulator
-                found.append(self.state(case.parent.name))
+            name = case.parent.name
+            with contextlib.suppress(InputError):  # a link that leads out
+                self._path(name)
+                try:
+                    found.append(self.state(name))
+                except InputError as error:
+                    damaged = {"simulator": "", "state": "damaged", "failure": str(error)}
+                    found.append({"run": name, **damaged, "process": None})
         return found
 
     def start(self, bench: Bench, file: str, run: str, figures: bool) -> dict[str, Any]:
@@ -47,8 +54,11 @@ class Runs:
 
     def resume(self, run: str) -> dict[str, Any]:
         """Go on with a run that was stopped, cut off, or failed."""
-        bench = self._bench(run)
-        self._processes.start(_key(run), [bench.command, "run", "--resume", f"{RUNS}/{run}"])
+        bench, options = self._bench(run), ["--resume", f"{RUNS}/{run}"]
+        with contextlib.suppress(FolderError):
+            begun = RunFolder(self._path(run)).read_provenance().get("command", [])
+            options += ["--no-figures"] * ("--no-figures" in begun)
+        self._processes.start(_key(run), [bench.command, "run", *options])
         return {"run": run, "simulator": bench.command}
 
     def stop(self, run: str) -> dict[str, Any]:
@@ -64,15 +74,24 @@ class Runs:
         folder = RunFolder(self._path(run))
         process = self._processes.get(_key(run))
         bench = self._bench(run, process.command[0] if process else None)
-        found: dict[str, Any] = {
+        return {
             "run": run,
             "simulator": bench.command,
-            "state": folder.state,
+            "state": self.doing(run),
             "failure": folder.failure or "",
             "process": process.state() if process else None,
         }
-        going = process is not None and process.code is None
-        return found | {"state": "running" if going else folder.state}
+
+    def doing(self, run: str) -> str:
+        """State of a run, which may not be there yet.
+
+        "running" by the page, "elsewhere" by another program, or that of its folder.
+        """
+        folder, process = RunFolder(self._path(run)), self._processes.get(_key(run))
+        if process is not None and process.code is None:
+            return "running"
+        state = folder.state
+        return "elsewhere" if state == "unfinished" and folder.is_computed else state
 
     def results(self, run: str) -> dict[str, Any]:
         """Results of a finished run in words, and the names of its pictures and films."""
@@ -132,8 +151,12 @@ class Runs:
             try:
                 text = (self._path(run) / "case.toml").read_text(encoding="utf-8")
                 tables = tomllib.loads(text)
-            except (OSError, ValueError):
+            except OSError:
                 raise InputError(f"{run}: no run of that name below {RUNS}") from None
+            except ValueError:
+                raise InputError(
+                    f"{run}: its case.toml is damaged; restore it, or remove the folder"
+                ) from None
             command = "silo2d" if "silo" in tables else "damper3d"
         return self._benches[command]
 

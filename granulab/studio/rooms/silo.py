@@ -12,11 +12,11 @@ from granulab.campaign.runs.trajectory import Trajectory, read_trajectory
 from granulab.contact.files.datafile import case_names, data_file
 from granulab.errors import FolderError
 from granulab.studio.rooms.simulator import Bench
-from silo2d.case.case import SiloCase
+from silo2d.case.case import SiloCase, outline_of
 from silo2d.case.filling import Layer, layers_of
-from silo2d.case.outline import PRESETS
+from silo2d.case.outline import PRESETS, Outline
 from silo2d.case.plan import expected_particles
-from silo2d.case.settings import Settings, read_settings
+from silo2d.case.settings import Settings, check_settings, read_settings
 from silo2d.case.shape import ShapeSet
 from silo2d.run.pour import rain
 from silo2d.run.result import Result
@@ -40,6 +40,7 @@ def bench() -> Bench:
         simulator=SILO,
         echo=partial(report.echo, dry_run=True),
         preview=preview,
+        sketch=sketch,
         frame=frame,
         report=lambda run: report.report(Result.read(RunFolder(run), reused=False)),
         compare=compare,
@@ -67,15 +68,27 @@ def preview(case: SiloCase) -> dict[str, Any]:
         first = Layer(*layers_of(case.settings.fill)[0], 0.0)
         kinds, poses, _ = rain(case, np.random.default_rng(case.settings.run.seed), first)
     return {
-        "outline": _rounded(case.outline.polygon),
-        "lips": [list(lip) for lip in case.outline.lips],
-        "inserts": [_rounded(insert) for insert in case.outline.inserts],
-        "outlets": [_rounded(ends) for ends in case.outline.outlets],
+        **_walls(case.outline),
         "level": case.settings.fill.level,
         "shapes": outlines_of(case.shapes),
         "particles": {"kind": kinds.tolist(), "pose": _rounded(poses)},
         "expected": expected,
         "poured": f"the first layer of {layer:g} m" if layer else "all at once",
+    }
+
+
+def sketch(tables: dict[str, Any], file: str) -> dict[str, Any]:
+    """The silo [m] of a case that is refused for something else; InputError where it is none."""
+    own: dict[str, Any] = {name: tables[name] for name in ("name", "silo") if name in tables}
+    return _walls(outline_of(check_settings(own, file), file))
+
+
+def _walls(outline: Outline) -> dict[str, Any]:
+    return {
+        "outline": _rounded(outline.polygon),
+        "lips": [list(lip) for lip in outline.lips],
+        "inserts": [_rounded(insert) for insert in outline.inserts],
+        "outlets": [_rounded(ends) for ends in outline.outlets],
     }
 
 

@@ -1,5 +1,6 @@
 """Cases of a simulator on the page: checked, written as TOML, opened; whichever simulator it is."""
 
+import contextlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +27,7 @@ class Bench:
     simulator  its part in sweeps: digest and run folder of a case
     echo       a case in words, with what its run would take
     preview    what is shown of a case before anything runs, for the page to draw
+    sketch     what can be shown of a case that is refused, from its tables and its name; or None
     start      the particles of a case, as its filling begins with them, where that takes kernels:
                a function that another process calls with what resolve takes; or None
     frame      the last stored frame of a run in a folder, for the page; raises FolderError
@@ -47,6 +49,7 @@ class Bench:
     report: Callable[[Path], str]
     compare: Callable[[Path, Path], tuple[str, Path]]
     player: Callable[[str | Path, float], tuple[str, str]]
+    sketch: Callable[[dict[str, Any], str], dict[str, Any]] | None = None
     start: Callable[[dict[str, Any], str, Path], dict[str, Any]] | None = None
 
     def form(self) -> list[dict[str, Any]]:
@@ -59,12 +62,16 @@ class Bench:
         The refusal is the line that the command would say of the file.
         """
         found: dict[str, Any] = {"toml": "", "refused": "", "file": ""}
+        tables: dict[str, Any] = {}
         try:
             tables, file = self.tables(folder, texts)
             found |= {"toml": self.written(tables), "file": file}
             case = self.resolve(tables, file, folder.root)
             run = self.simulator.run_folder(case, folder.runs)
         except (InputError, FolderError) as error:
+            if self.sketch is not None:
+                with contextlib.suppress(InputError):  # the line is said already
+                    found["preview"] = self.sketch(tables, found["file"])
             return {**found, "refused": str(error).replace(f"{folder.root}/", "")}
         return {
             **found,
@@ -95,19 +102,34 @@ class Bench:
         """The texts of a preset, or of a case file in the folder."""
         if name in self.presets():
             return texts_of(self.preset(name))
+        return texts_of(self._of_file(folder, name, "choose a case"))
+
+    def _of_file(self, folder: Folder, name: str, cure: str) -> dict[str, Any]:
+        """The tables of a case file in the folder; InputError where it is of something else."""
         tables = self.read(folder.file(name))
-        if any(other in tables for other in _KINDS - {*self.settings.model_fields}):
-            raise InputError(f"{name}: a case of another simulator; open it there")
-        return texts_of(tables)
+        others = [_KINDS[one] for one in _KINDS if one in tables]
+        others = [one for one in others if one != f"a case of {self.command}"]
+        if others:
+            raise InputError(f"{name}: holds {others[0]}, no case of {self.command}; {cure}")
+        return tables
 
     def save(self, folder: Folder, texts: Texts, replace: bool) -> dict[str, Any]:
-        """Write the case file of a form, where no other stands under its name or it may go."""
+        """Write the case file of a form, where no other stands under its name or it may go.
+
+        A file of the same tables stays as it is, with its comments. InputError where the file
+        holds something else than a case.
+        """
         checked = self.check(folder, texts)
         if checked["refused"]:
             raise InputError(checked["refused"])
-        if not folder.write(checked["file"], checked["toml"], replace):
-            return {"file": checked["file"], "exists": True}
-        return {"file": checked["file"], "exists": False, "run": checked["run"]}
+        file = checked["file"]
+        if folder.path(file).is_file():
+            there = texts_of(self._of_file(folder, file, "give the case another name"))
+            if document(self.settings, there) == self.tables(folder, texts)[0]:
+                return {"file": file, "exists": False, "run": checked["run"]}
+        if not folder.write(file, checked["toml"], replace):
+            return {"file": file, "exists": True}
+        return {"file": file, "exists": False, "run": checked["run"]}
 
 
 def _texts_in(value: Any) -> Iterator[str]:
@@ -128,5 +150,9 @@ def _rows(echo: str) -> list[tuple[str, str]]:
 
 
 _LABEL = 13  # column where the label of a line ends
-# Tables by which a file is a case of one simulator, or of another kind.
-_KINDS = {"silo", "enclosure", "motion", "shape", "material", "vary", "structure"}
+# What a file holds that has one of these tables.
+_KINDS = {
+    "silo": "a case of silo2d", "enclosure": "a case of damper3d", "motion": "a case of damper3d",
+    "shape": "shapes", "spheroradius": "shapes", "material": "materials", "pair": "materials",
+    "vary": "a study", "structure": "a structure to be damped",
+}  # fmt: skip
