@@ -21,11 +21,12 @@ from damper3d.engine.walls import gap_to_wall
 from damper3d.measures.efficiency import closure
 from damper3d.shapes.multisphere import sphere
 from damper3d.studies.quasistatic import course, protocol
-from damper3d.studies.quasistatic.case import SlowTest
+from damper3d.studies.quasistatic.case import SAMPLES, SlowTest
 from damper3d.studies.quasistatic.chart import draw
+from damper3d.studies.quasistatic.claims import Readings, alike
 from damper3d.studies.quasistatic.claims import verdicts as judged
-from damper3d.studies.quasistatic.measure import Result
-from damper3d.studies.quasistatic.report import report
+from damper3d.studies.quasistatic.measure import Result, stiffness
+from damper3d.studies.quasistatic.report import report, summary
 from damper3d.studies.quasistatic.rig import BASE, BOTTOM_SIDE, TABLE, TOP_SIDE, Halves
 from damper3d.studies.quasistatic.shapes import HOLES, SPHEROIDS, by_shape, scatter_of
 from granulab.campaign.output.results import read_results
@@ -329,6 +330,19 @@ def test_shapes_that_are_alike_seldom_fail_by_the_scatter_of_their_packings():
         found = judged("compress", by_shape([row for rows in tables for row in rows]))
         failed += [one.holds is False for one in found]
     assert failed.max() <= 200 * (0.05 + 3 * math.sqrt(0.05 * 0.95 / 200))
+
+
+@pytest.mark.parametrize("few", [1.5, 2, 3])
+def test_shapes_are_not_alike_where_few_packings_of_any_of_them_hide_a_half(few):
+    """Of a deviation of a half, 20 packings of each of two resolve 0.3, and two of one 0.75."""
+    packings = {ratio: 2 if ratio == few else 20 for ratio in (1.5, 2, 3)}
+    rows = [row for ratio, n in packings.items()
+            for row in made(f"prolate:{ratio:g}", [0.5, 1.5] * (n // 2))]  # fmt: skip
+    shapes = by_shape(rows)
+    readings = Readings(shapes, "force_mean_n", scatter_of(shapes, "shear", "force_mean_n"))
+    (check,) = alike(readings, "prolate")
+    assert check.holds is None
+    assert "would hide a half" in check.found
 
 
 def test_toroids_without_a_sphere_of_their_own_name_the_run_that_lacks():
