@@ -375,6 +375,26 @@ def test_the_words_of_a_committed_table_are_what_its_rows_say(kind, packings):
     assert [row["state"] for row in rows] == ["done"] * 13 * packings
 
 
+@pytest.mark.parametrize(
+    ("own", "words"),
+    [
+        ({"inertial_number": 8.6e-2}, "an inertial number of 8.6e-02, above 0.001, is not slow"),
+        ({"preload_mean_n": 23.5}, "a mean pre-load 53 %, more than 25 %, off"),
+    ],
+)
+def test_tests_that_are_not_slow_or_not_under_their_preload_are_warned_of_and_not_judged(
+    own, words
+):
+    _, rows = read_results(RESULTS / "shear.csv")
+    assert summary("shear", rows)["warnings"] == []
+    spoilt = [{**rows[0], **own}, *rows[1:]]
+    assert f"warning: {words}: no claim is judged; give a lower --speed" in report(spoilt)
+    assert "claims:" not in report(spoilt)
+    found = summary("shear", spoilt)
+    assert len(found["warnings"]) == 1
+    assert found["statements"] == []
+
+
 def test_the_picture_shows_the_stiffest_shape_of_either_family():
     """Spheroids and toroids share an axis; here toroids need the more of it."""
     _, rows = read_results(RESULTS / "compress.csv")
