@@ -286,6 +286,17 @@ def test_a_dry_run_says_what_it_costs_and_bad_shapes_end_with_code_two(tmp_path)
     assert_refused(refused)
 
 
+@pytest.mark.parametrize(("words", "cut_off"), [(["--no-figures"], False), ([], True)])
+def test_a_table_without_a_picture_or_cut_off_is_written(tmp_path, monkeypatch, words, cut_off):
+    """Of --no-figures, and of Ctrl-C, which leaves rows that are interrupted."""
+    _, rows = read_results(RESULTS / "shear.csv")
+    rows = rows[:2] + [{**rows[2], "state": "interrupted", "reason": "stopped"}] * cut_off
+    monkeypatch.setattr("granulab.campaign.sweeps.sweep.run_labelled", lambda *_, **__: rows)
+    result = damper3d("shear", "--particles", "prolate:1", "-o", tmp_path, "--quiet", *words)
+    assert (result.code != 0) == cut_off
+    assert sorted(path.suffix for path in tmp_path.iterdir()) == [".csv", ".parquet", ".txt"]
+
+
 def made(shape: str, values: list[float]) -> list[dict[str, Any]]:
     columns = [{"stiffness_n_per_m": v, "force_mean_n": v} for v in values]
     return [{"shape": shape, "state": "done", **own} for own in columns]
