@@ -297,6 +297,17 @@ def test_a_table_without_a_picture_or_cut_off_is_written(tmp_path, monkeypatch, 
     assert sorted(path.suffix for path in tmp_path.iterdir()) == [".csv", ".parquet", ".txt"]
 
 
+def test_the_kernels_are_compiled_where_those_of_these_walls_are(tmp_path, monkeypatch):
+    """Those of a damper in the same folder are not theirs."""
+    monkeypatch.setattr(protocol, "cache_folder", lambda room: str(tmp_path))
+    (tmp_path / "kernels").mkdir()
+    (tmp_path / "kernels" / "of_a_damper.nbc").touch()
+    assert not protocol.SLOW_TESTS.compiled()
+    monkeypatch.setattr(protocol, "once", lambda folder, name, work: (folder / name).touch())
+    protocol.compile_kernels()
+    assert protocol.SLOW_TESTS.compiled()
+
+
 def made(shape: str, values: list[float]) -> list[dict[str, Any]]:
     columns = [{"stiffness_n_per_m": v, "force_mean_n": v} for v in values]
     return [{"shape": shape, "state": "done", **own} for own in columns]
