@@ -308,6 +308,16 @@ def test_the_kernels_are_compiled_where_those_of_these_walls_are(tmp_path, monke
     assert protocol.SLOW_TESTS.compiled()
 
 
+def test_a_step_costs_what_the_committed_tests_of_its_shape_took():
+    """To a factor of two of the mean over the packings of each."""
+    shapes = by_shape(read_results(RESULTS / "shear.csv")[1])
+    for name, shape in shapes.items():
+        test = SlowTest.load("shear", {"particles.shape": name}, {})
+        steps = SAMPLES * course.steps_per_sample(test, True)
+        step = 1e6 * protocol.expected_stages(test)["testing"] / steps
+        assert 0.5 < step / shape.sample("cpu_us_per_step").mean < 2.0
+
+
 def made(shape: str, values: list[float]) -> list[dict[str, Any]]:
     columns = [{"stiffness_n_per_m": v, "force_mean_n": v} for v in values]
     return [{"shape": shape, "state": "done", **own} for own in columns]
