@@ -318,6 +318,12 @@ def test_a_step_costs_what_the_committed_tests_of_its_shape_took():
         assert 0.5 < step / shape.sample("cpu_us_per_step").mean < 2.0
 
 
+def test_the_secant_to_the_whole_distance_is_that_to_the_last_point():
+    """Which is half a row before it; of a straight line all secants are one."""
+    way = np.append(0.0, 1e-5 * (np.arange(100) + 0.5))
+    assert stiffness(1e-3, way, 5.0 + 3e4 * way) == pytest.approx(3e4, rel=1e-12)
+
+
 def made(shape: str, values: list[float]) -> list[dict[str, Any]]:
     columns = [{"stiffness_n_per_m": v, "force_mean_n": v} for v in values]
     return [{"shape": shape, "state": "done", **own} for own in columns]
