@@ -85,6 +85,9 @@ def _draw_curves(axes: "Axes", counts: Mapping[str, MapResult], prediction: Pred
     """The efficiencies with their intervals, along the quantity of which there are several."""
     result = list(counts.values())[-1]  # of the last count no point lacks that another has
     along_gamma = _values(result, result.frequency) == 1
+    known = np.flatnonzero(np.isfinite(result.efficiency))
+    first = known[0] if known.size else 0
+    frequency, gamma = float(result.frequency[first]), float(result.gamma[first])
     looks = ("o-", INK), ("s--", BLUE)
     for (label, one), (style, colour) in zip(counts.items(), looks, strict=False):
         x = one.gamma if along_gamma else one.frequency
@@ -94,7 +97,7 @@ def _draw_curves(axes: "Axes", counts: Mapping[str, MapResult], prediction: Pred
         )  # fmt: skip
     if along_gamma:
         for clearance in prediction.clearances:
-            onset = clearance.onset(float(result.frequency[0]))
+            onset = clearance.onset(frequency)
             if onset is not None:
                 axes.axvline(onset, color=VERMILION, ls=_LINES[clearance.name],
                              label=_onset_label(clearance))  # fmt: skip
@@ -102,7 +105,7 @@ def _draw_curves(axes: "Axes", counts: Mapping[str, MapResult], prediction: Pred
     label = "Γ [-]" if along_gamma else "frequency [Hz]"
     axes.set(xscale="log", xlabel=label, ylabel="efficiency [-]", ylim=(0, None))
     _plain_ticks(axes.xaxis, _GAMMAS if along_gamma else _spaced(np.unique(result.frequency)))
-    fixed = f"{result.frequency[0]:g} Hz" if along_gamma else f"Γ = {result.gamma[0]:g}"
+    fixed = f"{frequency:g} Hz" if along_gamma else f"Γ = {gamma:g}"
     axes.set_title(fixed, loc="left", fontsize=9)
 
 
