@@ -79,6 +79,21 @@ def test_a_field_costs_its_runs_and_the_packings_that_are_to_be_filled(damper3d)
     assert 60 * planned["expected_cpu_min_at_most"] == pytest.approx(seconds, rel=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("command", "of"), [(["map"], "host"), (["predict", "--simulate"], "host"), (["map"], "random")]
+)
+def test_runs_over_frequency_and_gamma_refuse_what_else_moves_the_enclosure(
+    damper3d, tmp_path, command, of
+):
+    """In words on the case, not on keys that the command sets."""
+    file, section = tmp_path / "case.toml", "host" if of == "host" else "excitation"
+    file.write_text(commented_case(EXAMPLES[of]), encoding="utf-8")
+    name, *more = command
+    code, out, err = damper3d(name, str(file), *more, "--no-figures")
+    assert (code, out) == (2, "")
+    assert f"give a case without [{section}]" in err
+
+
 def test_dry_run_says_how_many_runs_and_writes_nothing(damper3d, tmp_path):
     code, out, _ = damper3d("map", *SMALL, "--packings", "3", "--dry-run", "--json")
     planned = json.loads(out)
