@@ -203,7 +203,7 @@ def _power(quantity: str) -> Callable[[Rows], Interval | None]:
 
 
 def rises(rows: Rows) -> list[tuple[float, float, float]]:
-    """Logarithms of peak velocity, number and rise of the centre of mass of each run [SI]."""
+    """Logarithms of peak velocity, number and rise of the centre of mass of each run that rises."""
     rest: dict[int, list[float]] = {}
     for row in rows:
         if row["at"] == AT_REST:
@@ -211,10 +211,10 @@ def rises(rows: Rows) -> list[tuple[float, float, float]]:
     found = []
     for row in rows:
         if row["at"] > 1.0 and row["count"] in rest:
-            still = mean_sd(rest[row["count"]]).mean or 0.0
+            rise = row["bed_height_m"] - (mean_sd(rest[row["count"]]).mean or 0.0)
             speed = row["gamma"] * GRAVITY / (2 * math.pi * row["frequency_hz"])
-            found.append((math.log(speed), math.log(row["count"]),
-                          math.log(row["bed_height_m"] - still)))  # fmt: skip
+            if rise > 0:
+                found.append((math.log(speed), math.log(row["count"]), math.log(rise)))
     return found
 
 

@@ -69,7 +69,10 @@ def signs_of(cycles: Cycles) -> Row:
 
 
 def readings(rows: Sequence[Row]) -> "DataFrame":
-    """Means over the packings, a line a point: signs, efficiency_wall_work and its logs."""
+    """Means over the packings, a line a point: signs, efficiency_wall_work and its logs.
+
+    Of a packing on which the walls do no work in the mean there is no logarithm.
+    """
     from pandas import DataFrame
 
     several = [
@@ -80,7 +83,9 @@ def readings(rows: Sequence[Row]) -> "DataFrame":
     if not several:
         return DataFrame(columns=POINT)
     groups = DataFrame(several).groupby(POINT, sort=False)
-    logs = groups["efficiency_wall_work"].agg(lambda etas: [math.log(eta) for eta in etas])
+    logs = groups["efficiency_wall_work"].agg(
+        lambda etas: [math.log(eta) for eta in etas if eta > 0]
+    )
     return groups.mean().assign(logs=logs).reset_index()
 
 
@@ -109,8 +114,8 @@ def smooth_over_printed(found: "DataFrame") -> list[Row]:
         printed = known.get(("printed", frequency, gamma))
         if surface != "smooth" or printed is None:
             continue
-        assert smooth.mean is not None
-        assert printed.mean is not None
+        if smooth.mean is None or printed.mean is None:
+            continue
         value, noise = math.exp(smooth.mean - printed.mean), noise_of_difference(smooth, printed)
         items.append({"frequency_hz": frequency, "gamma": gamma, "value": value,
                       "noise": math.nan if noise is None else value * noise})  # fmt: skip
