@@ -1,6 +1,5 @@
 """Readings of chapter 7: restitution from flights; collisions in force and acceleration."""
 
-import csv
 import math
 from collections.abc import Sequence
 from functools import cache
@@ -18,7 +17,7 @@ from damper3d.view.shaker import signals
 from granulab.campaign.claims.judge import Quantities
 from granulab.campaign.output.layout import done
 from granulab.campaign.output.statistics import mean_sd, noise_of_difference
-from granulab.contact.files.datafile import data_file
+from granulab.contact.files.datafile import shipped_rows
 from granulab.contact.files.table import load_table
 
 if TYPE_CHECKING:
@@ -189,10 +188,7 @@ def of_simulations(_found: "DataFrame") -> list[Row]:
 @EXPERIMENTS.quantity
 def roughness(_found: "DataFrame", over: float = 1e-6) -> list[Row]:
     """Mean roughness of each surface over a length [m], from Table 7.1."""
-    path = data_file("published", "surface_roughness")
-    assert path is not None  # shipped
-    with path.open(encoding="utf-8", newline="") as file:
-        table = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    table = shipped_rows("published", "surface_roughness")
     return [
         {"path": name, "value": 1e-6 * float(np.mean([float(row[name]) for row in table])) / over}
         for name in ("smooth", "perpendicular", "on_ridge")

@@ -11,7 +11,16 @@ from damper3d.measures.phases.phase_map import draw_phase_map
 from damper3d.studies.map.grid import MapResult, counted
 from damper3d.studies.map.ridges import OnRidge
 from damper3d.studies.predict.prediction import Clearance, Prediction
-from granulab.campaign.output.figure import BLUE, INK, PAPER, SKY, VERMILION, headline, ruled
+from granulab.campaign.output.figure import (
+    BLUE,
+    INK,
+    PAPER,
+    SKY,
+    VERMILION,
+    entries,
+    headline,
+    ruled,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -59,11 +68,7 @@ def draw_map(result: MapResult, prediction: Prediction, on_ridges: list[OnRidge]
         plane(axes, one)
         if len(counts) > 1:
             axes.set_title(words, loc="left", fontsize=9)
-    legend = {
-        label: handle
-        for axes in panels
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
-    }
+    legend = entries(panels)
     figure.legend(legend.values(), legend.keys(), loc="outside right upper", labelspacing=0.7)
     return figure
 
