@@ -4,13 +4,12 @@ The table is that of `damper3d reproduce packing` (docs/damper/packing.md): "sph
 aspect ratio from oblate to prolate, "toroid" by hole ratio.
 """
 
-import csv
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
-from granulab.contact.files.datafile import data_root
+from granulab.contact.files.datafile import shipped_rows
 
 # Fractions of spheres packed at random (thesis, below eq. 6.13), of which the table is a check.
 LOOSE_PACKING, CLOSE_PACKING = 0.55, 0.64
@@ -72,6 +71,4 @@ def _at(family: str, ratio: float) -> tuple[float, float]:
 
 @cache
 def _rows(family: str) -> list[dict[str, str]]:
-    text = (data_root() / "packings" / "random.csv").read_text(encoding="utf-8")
-    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
-    return [row for row in rows if row["family"] == family]
+    return [row for row in shipped_rows("packings", "random") if row["family"] == family]

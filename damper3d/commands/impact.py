@@ -71,8 +71,11 @@ def impact(
 
 def _used(impact: "Impact") -> dict[str, object]:
     """The values used, which a default or a file may have given."""
-    keys = ("speed", "radius", "friction", "restitution", "tangential", "end", "yielding")
-    names = {"speed": "speed_m_s", "radius": "radius_m", "end": "contact_end"}
+    names = {
+        "speed": "speed_m_s", "radius": "radius_m", "end": "contact_end",
+        "spin": "spin_before_rad_s", "other_spin": "other_spin_before_rad_s",
+    }  # fmt: skip
+    keys = (*names, "friction", "restitution", "tangential", "damping", "yielding")
     used = {names.get(key, key): getattr(impact, key) for key in keys}
     return {
         "material": impact.first.name,
@@ -85,10 +88,12 @@ def _used(impact: "Impact") -> dict[str, object]:
 
 def _echo(impact: "Impact", against: str) -> str:
     other = {"rigid-wall": "a rigid wall", "wall": "a wall of it", "sphere": "its like"}
+    second = f" and {impact.other_spin:g}" if impact.sphere else ""
     return (
         f"sphere of {impact.first.name}, radius {1e3 * impact.radius:g} mm, on "
         f"{other.get(against, f'a wall of {against}')}: {impact.speed:g} m/s at "
-        f"{math.degrees(impact.angle):g} deg, restitution {impact.restitution:g}, friction "
+        f"{math.degrees(impact.angle):g} deg, angular velocity {impact.spin:g}{second} rad/s, "
+        f"restitution {impact.restitution:g}, damping {impact.damping}, friction "
         f"{impact.friction:g}, tangential {impact.tangential}, ends at zero {impact.end}"
     )
 

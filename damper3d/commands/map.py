@@ -119,31 +119,12 @@ def _map(
 
 def _plan(name: str, changes: dict[str, Any], grid: "Grid", out: Path) -> dict[str, Any]:
     """The runs of a map and their cost, but for its refinement, which follows from results."""
-    from damper3d.run.sweep import DAMPER
     from damper3d.studies.map.grid import map_cases
-    from damper3d.studies.map.report import map_folder
-    from granulab.campaign.output import room
+    from damper3d.studies.map.report import map_folder, planned
 
     cases = [case for _, case in map_cases(name, changes, grid)]
-    todo = [case for case in cases if DAMPER.run_folder(case, out).state != "finished"]
-    packings = {DAMPER.packing_file(case, out): case for case in todo}
-    to_fill = [case for file, case in packings.items() if not file.exists()]
-    seconds = sum(DAMPER.expected_cpu_s(case)[1] for case in todo)
-    seconds += sum(DAMPER.expected_cpu_s(case)[0] for case in to_fill)
-    return {
-        "case": cases[0].name,
-        "folder": str(map_folder(name, changes, grid, out).path),
-        "frequencies_hz": list(grid.frequencies),
-        "gammas": list(grid.gammas),
-        "packings": grid.packings,
-        "refine": grid.refine,
-        "runs": len(cases),
-        "finished": len(cases) - len(todo),
-        "packings_to_fill": len(to_fill),
-        "expected_cpu_min": seconds / 60,
-        "disk_bytes_at_most": DAMPER.disk_of(todo),
-        "disk_free_bytes": room.free(out),
-    }
+    folder = map_folder(name, changes, grid, out)
+    return planned(cases, grid, folder, out) | {"refine": grid.refine}
 
 
 def _in_words(planned: dict[str, Any]) -> str:

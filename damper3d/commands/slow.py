@@ -4,6 +4,7 @@ import json
 import re
 import shlex
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -119,8 +120,9 @@ def _slow(
     click.echo(json.dumps(summary(kind, rows), indent=2) if as_json else on_screen(text))
     given = {"particles": particles, "seeds": str(seeds), "material": material, **options}
     given |= {"so-far": ""} if so_far else {}
-    if any(row["state"] == "done" for row in rows) and not (no_figures or stopped(rows)):
-        _write(kind, rows, text, given, Path(write or out), quiet)
+    if any(row["state"] == "done" for row in rows):
+        pictured = not (no_figures or stopped(rows))
+        _write(kind, rows, text, given, Path(write or out), quiet, pictured)
     stop_unless_whole(rows)
 
 
@@ -154,9 +156,9 @@ def _listed(particles: str) -> list[str]:
 
 def _write(
     kind: str, rows: list[dict[str, Any]], text: str, given: dict[str, str | None], folder: Path,
-    quiet: bool,
+    quiet: bool, pictured: bool,
 ) -> None:  # fmt: skip
-    """Keep the table and its picture."""
+    """Keep the table, and its picture where there is to be one."""
     from damper3d.studies.quasistatic.chart import draw
     from damper3d.studies.quasistatic.protocol import SLOW_TESTS
     from granulab.campaign.output.results import origin, write_results
@@ -168,6 +170,8 @@ def _write(
         if value is not None
     ]
     lines = origin(" ".join([f"damper3d {kind}", *words]), SLOW_TESTS)
-    files = write_results(folder, kind, rows, lines, text, lambda: draw(rows))
+    files = write_results(
+        folder, kind, rows, lines, text, partial(draw, rows) if pictured else None
+    )
     if not quiet:
         click.echo("\n".join(map(str, files)), err=True)

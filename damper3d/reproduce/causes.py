@@ -28,7 +28,7 @@ from damper3d.reproduce.quantities.optima import Optimum, pooled_scatter, with_s
 from damper3d.reproduce.quantities.shapes import BOUNCING, Line, optimum_of
 from damper3d.reproduce.shapes import about, panel
 from damper3d.studies.map.grid import GAMMAS, MapResult, counted
-from damper3d.studies.map.peaks import Floats, find_peaks
+from damper3d.studies.map.peaks import Floats, find_peaks, highest
 from granulab.campaign.output.layout import columns, done, paragraphs, signed
 from granulab.campaign.output.statistics import CONFIDENCE, mean_sd, pooled_sd, quantile
 
@@ -119,8 +119,8 @@ class Reading(NamedTuple):
 
 def by_parabola(gamma: Floats, eta: Floats) -> float:
     """Gamma of the vertex of the parabola about the highest peak."""
-    peaks = find_peaks(gamma, eta, np.zeros(len(eta)))
-    return max(peaks, key=lambda one: one.efficiency).gamma if peaks else math.nan
+    top = highest(find_peaks(gamma, eta, np.zeros(len(eta))))
+    return math.nan if top is None else top.gamma
 
 
 def by_largest(gamma: Floats, eta: Floats) -> float:

@@ -6,10 +6,9 @@ and 120 and 150, are run for each packing; then the intervals next to each peak 
 times.
 """
 
-import csv
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -37,9 +36,18 @@ from damper3d.reproduce.quantities.optima import (
 from damper3d.studies.map.grid import GAMMAS, MapResult
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import report_claims
-from granulab.campaign.output.figure import BLUE, GREY, INK, ORANGE, VERMILION, headline, ticked
+from granulab.campaign.output.figure import (
+    BLUE,
+    GREY,
+    INK,
+    ORANGE,
+    VERMILION,
+    entries,
+    headline,
+    ticked,
+)
 from granulab.campaign.output.layout import columns, paragraphs, signed
-from granulab.contact.files.datafile import data_file
+from granulab.contact.files.datafile import shipped_rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -81,10 +89,7 @@ run = run_of_panels(lambda: panels(), REFINE)
 
 def published(height: int, orientation: str) -> dict[float, float | None]:
     """The thesis's optimum by frequency [Hz]; None where it is beyond its Gammas (">100")."""
-    path = data_file("published", "damper_optimum_amplitude")
-    assert path is not None  # shipped
-    lines = path.read_text(encoding="utf-8").splitlines()
-    for row in csv.DictReader(line for line in lines if not line.startswith("#")):
+    for row in shipped_rows("published", "damper_optimum_amplitude"):
         printed_height = round(1e3 * float(row["height_m"]))
         if (printed_height, row["approach"]) == (height, f"DEM-{orientation}"):
             printed = {f: row[f"f{f:g}Hz"] for f in FREQUENCIES}
@@ -181,9 +186,7 @@ def draw(rows: list[Row]) -> "Figure":
     panels[0, 0].set_ylabel("Γ at the optimum [-]")
     panels[1, 0].set_ylabel("efficiency [-]")
     for legends in panels:
-        named: dict[str, Any] = {}
-        for axes in legends:
-            named |= dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+        named = entries(legends)
         legends[-1].legend(named.values(), named.keys(), loc="upper left", bbox_to_anchor=(1, 1))
     return figure
 

@@ -20,6 +20,7 @@ from damper3d.reproduce.quantities.shares import (
     quantities,
     tangential_damping,
 )
+from damper3d.studies.map.grid import GAMMAS
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import report_claims
 from granulab.campaign.output.figure import (
@@ -49,8 +50,6 @@ COLUMNS = (
 
 SIZES = (5, 4, 6, 3)  # [mm], dearest last
 FREQUENCIES = (40.0, 160.0)  # [Hz]
-GAMMAS = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0, 15.0, 20.0, 30.0, 40.0, 50.0,
-          60.0, 80.0, 100.0)  # fmt: skip
 _LABELS = "diameter_mm", "frequency_hz", "gamma"
 
 _READING = """\

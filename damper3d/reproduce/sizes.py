@@ -8,7 +8,7 @@ then the intervals next to each peak are halved twice.
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -29,7 +29,17 @@ from damper3d.reproduce.quantities.optima import Optimum, optimum, pooled_scatte
 from damper3d.studies.map.grid import MapResult
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.claims.judge import Quantities, report_claims
-from granulab.campaign.output.figure import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, headline, ticked
+from granulab.campaign.output.figure import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    PURPLE,
+    entries,
+    headline,
+    ticked,
+)
 from granulab.campaign.output.layout import columns, paragraphs
 from granulab.campaign.output.statistics import slope
 
@@ -219,9 +229,7 @@ def draw(rows: list[Row]) -> "Figure":
     for axes in panels[:, 0]:
         axes.set_ylabel("efficiency [-]")
         axes.set_ylim(bottom=0)  # of all: they share it
-    named: dict[str, Any] = {}
-    for axes in panels.flat:
-        named |= dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+    named = entries(panels.flat)
     figure.legend(named.values(), named.keys(), loc="outside right upper")
     return figure
 

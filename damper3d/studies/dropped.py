@@ -57,8 +57,3 @@ def rebound(
         highest = max(highest, float(y[: down[0] if down.size else None].max(initial=0.0)))
         if down.size:
             return highest / drop
-
-
-def one_body(ratio: float, restitution: float) -> float:
-    """The same of a bed that at once moves with the box: ((e0 - r)/(1 + r))^2, 0 from r = e0 on."""
-    return (max(restitution - ratio, 0.0) / (1 + ratio)) ** 2

@@ -5,13 +5,12 @@ a_x x_m, its lower one x_m/a_x (4.2, 4.3). Which of them is unfavourable differs
 load case (table 3.1). The friction at a wall is never more than inside the solid, mu <= tan phi_i.
 """
 
-import csv
 import math
 from dataclasses import dataclass, fields
 from functools import cache
 from typing import NamedTuple
 
-from granulab.contact.files.datafile import data_file
+from granulab.contact.files.datafile import shipped_rows
 from granulab.contact.files.units import nearest
 from granulab.errors import InputError
 
@@ -110,10 +109,7 @@ class Row(NamedTuple):
 @cache
 def table_e1() -> dict[str, Row]:
     """The solids of EN 1991-4:2006, table E.1, by name."""
-    file = data_file("published", "en1991_4_solids")
-    assert file is not None
-    lines = file.read_text(encoding="utf-8").splitlines()
-    rows = csv.DictReader(line for line in lines if not line.startswith("#"))
+    rows = shipped_rows("published", "en1991_4_solids")
     return {str(row.pop("solid")): _row({k: float(v) for k, v in row.items()}) for row in rows}
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from granulab.campaign.output.figure import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, ruled
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, entries, ruled
 from granulab.campaign.output.layout import columns, not_done, share
 from granulab.campaign.output.statistics import (
     Counts,
@@ -132,7 +132,7 @@ def draw(rows: "list[Row]") -> "Figure":
     axes.set_xlabel("outlet (number of the silo)")
     axes.set_ylabel("clogged, share of runs (95 % interval)")
     ruled(axes)
-    named = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+    named = entries([axes])
     axes.legend(named.values(), named.keys(), loc="upper left", bbox_to_anchor=(1, 1))
     return figure
 

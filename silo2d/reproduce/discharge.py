@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from granulab.campaign.output.figure import BLUE, GREEN, GREY, SKY, VERMILION, ruled
+from granulab.campaign.output.figure import BLUE, GREEN, GREY, SKY, VERMILION, entries, ruled
 from granulab.campaign.output.layout import (
     columns,
     done,
@@ -160,7 +160,7 @@ def draw(rows: "list[Row]") -> "Figure":
     axes.set_ylabel("discharge time [s]")
     axes.set_ylim(bottom=0)
     ruled(axes)
-    named = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+    named = entries([axes])
     axes.legend(named.values(), named.keys(), loc="lower left", bbox_to_anchor=(0, 1), ncols=4)
     return figure
 

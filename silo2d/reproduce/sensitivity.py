@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from granulab.campaign.output.figure import BLUE, ORANGE, VERMILION, ruled, ticked
+from granulab.campaign.output.figure import BLUE, ORANGE, VERMILION, entries, ruled, ticked
 from granulab.campaign.output.layout import columns, done, not_done, percent, signed, with_sd
 from granulab.campaign.output.statistics import Sample, noise_of_one_more, pooled_sd
 from silo2d.reproduce.parameters import BASELINES, Pairs
@@ -199,7 +199,6 @@ def draw(rows: "list[Row]") -> "Figure":
     published = {p: _published(p) for p in dict.fromkeys(key for key, _ in SERIES)}
     figure = Figure(figsize=(10.5, 6.2), layout="constrained")
     panels = figure.subplots(2, 3, sharey=True)
-    handles: dict[str, Any] = {}
     for axes, (parameter, points) in zip(panels.flat, published.items(), strict=False):
         _scale(axes, parameter, [point.value for point in points])
         axes.set_xlabel(_LABELS[parameter])
@@ -208,10 +207,10 @@ def draw(rows: "list[Row]") -> "Figure":
         for (name, pairs), one in series_of(rows).items():
             for own in one.values() if name == parameter else ():
                 _draw_series(axes, own, pairs)
-        handles |= dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
     for axes in panels[:, 0]:
         axes.set_ylabel("discharge time of A4 [s]")
     panels[-1, -1].axis("off")
+    handles = entries(panels.flat)
     panels[-1, -1].legend(handles.values(), handles.keys(), loc="center", title="mean and sd")
     return figure
 

@@ -3,13 +3,12 @@
 Nothing here needs the case or the engine: measures and pictures take them too.
 """
 
-import csv
 from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from granulab.contact.files.datafile import data_file
+from granulab.contact.files.datafile import data_file, shipped_rows
 from silo2d.case.outline import PRESETS, preset_sizes
 
 Series = NDArray[np.float64]
@@ -120,14 +119,12 @@ def published_times(silo_name: str) -> dict[str, float | bool | None]:
 
 def _printed(which: str, silo_name: str) -> list[str]:
     """The entries, a time in seconds or "C" for clogged, of a silo in a published table."""
-    path = data_file("published", f"silo_discharge_{which}")
-    if path is None or silo_name not in PRESETS:
+    table = f"silo_discharge_{which}"
+    if data_file("published", table) is None or silo_name not in PRESETS:
         return []
     outlet_mm = round(1e3 * preset_sizes(silo_name)[1])
-    lines = path.read_text(encoding="utf-8").splitlines()
-    rows = csv.DictReader(line for line in lines if not line.startswith("#"))
     return [
         row["time_s"]
-        for row in rows
+        for row in shipped_rows("published", table)
         if row["silo"] == silo_name[0] and float(row["outlet_mm"]) == outlet_mm
     ]

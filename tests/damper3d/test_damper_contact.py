@@ -85,6 +85,7 @@ def test_other_material_as_the_wall():
         (["--against", "stel"], "against = 'stel': no such table or file"),
         (["--material", "wod"], "material = 'wod': no such table or file"),
         (["--density", "1 g/cm3"], "needs --youngs-modulus, --poisson too"),
+        (["--other-spin", "5"], "other_spin = 5 rad/s: against = 'wall' does not rotate"),
         (["--material", "alumina", "--yielding"], "material 'alumina' has no yield_strength"),
     ],
 )
@@ -100,6 +101,16 @@ def test_material_file_is_one_of_the_user(tmp_path):
     found = result("--material", str(file), "--youngs-modulus", "5 MPa", "--restitution", "0.5")
     assert found["material"] == "rubber"
     assert found["normal_restitution"] == pytest.approx(0.5, abs=1e-4)
+
+
+def test_an_impact_repeats_its_angular_velocities_and_its_damping():
+    words = ["--against", "sphere", "--spin", "3", "--other-spin", "-4", "--damping", "restitution"]
+    found = CliRunner().invoke(impact, [*words, "--json"])
+    used = json.loads(found.stdout)
+    assert (used["spin_before_rad_s"], used["other_spin_before_rad_s"]) == (3.0, -4.0)
+    assert used["damping"] == "restitution"
+    assert "angular velocity 3 and -4 rad/s" in found.stderr
+    assert "damping restitution" in found.stderr
 
 
 def test_contact_lists_its_studies():

@@ -287,6 +287,17 @@ def test_cases_without_a_steady_response_are_refused_in_one_line(changes, words)
         ({"law.restitution": 0.3}, ["restitution 0.86", "gives", "restitution 0.3"]),
         ({"law.friction": 0.05}, ["mu 0.05", "leave [law] out"]),
         ({"particles.material": "acrylic"}, None),
+        ({"law.yielding": True}, ["yielding true", "leave [law] out"]),
+        ({"law.contact_end": "force"}, ["contact_end force"]),
+        ({"law.tangential": "force"}, ["tangential force"]),
+        ({"law.wall_curvature": True}, ["wall_curvature true"]),
+        ({"law.contact_end": "overlap", "law.contact_treatment": "deepest"}, None),  # spheres
+        (
+            {"law.rolling_friction": 0.1, "law.rolling_stiffness": "1e4 N/m"},
+            ["rolling_friction 0.1; rolling_stiffness 10000.0"],
+        ),
+        ({"motion.gravity": [0, 0, 1]}, ["gravity 0 0 -9.81", "gravity 0 0 9.81", "[motion]"]),
+        ({"motion.gravity": [0, 0, -1]}, None),
     ],
 )
 def test_a_field_of_another_bed_than_the_case_gives_is_refused(changes, words):
@@ -298,6 +309,13 @@ def test_a_field_of_another_bed_than_the_case_gives_is_refused(changes, words):
     else:
         assert_refuses(["field.csv", *words], check_origin, "field.csv", lines, case)
     check_origin("field.csv", (), case)
+
+
+def test_a_field_of_another_multi_contact_model_is_refused():
+    changes = {"particles.shape": "prolate:1.5"}
+    lines = head(DamperCase.load("thesis", changes))
+    case = DamperCase.load("thesis", {**changes, "law.contact_treatment": "scaled"})
+    assert_refuses(["contact_treatment scaled"], check_origin, "field.csv", lines, case)
 
 
 @pytest.mark.parametrize(

@@ -228,6 +228,31 @@ def test_picture_is_made_of_any_grid(requested, tmp_path, grid, walls):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.parametrize(
+    ("grid", "lacking", "title"),
+    [
+        (Grid((20, 80), (1, 3, 10)), ("frequency_hz", 20), "80 Hz"),
+        (Grid((20, 40, 80), (1, 3)), ("gamma", 1), "Γ = 3"),
+    ],
+)
+def test_curves_are_named_by_the_points_that_have_an_efficiency(
+    requested, tmp_path, grid, lacking, title
+):
+    """And the onsets are those at their frequency."""
+    column, value = lacking
+    rows = [
+        row | ({"efficiency": None} if row[column] == value else {})
+        for row in made_map(tmp_path, grid).rows
+    ]
+    prediction = predict(DamperCase.load("thesis"))
+    axes = draw_map(MapResult.of(rows), prediction, []).axes[0]
+    assert axes.get_title(loc="left") == title
+    if column == "frequency_hz":
+        onsets = [one.onset(80.0) for one in prediction.clearances]
+        drawn = [line.get_xdata()[0] for line in axes.lines if len(set(line.get_xdata())) == 1]
+        assert drawn == [pytest.approx(onset) for onset in onsets if onset is not None]
+
+
 def test_where_most_beds_settle_the_map_is_that_of_the_walls(requested, tmp_path):
     """Runs whose bed settles have no efficiency; the work of their walls is a map all the same."""
     result = made_map(tmp_path, Grid((20, 40, 80), (1, 3, 10)))

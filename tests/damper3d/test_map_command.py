@@ -6,7 +6,10 @@ import pytest
 from made_map import made_runs
 from read_page import element
 
+from damper3d.case.case import DamperCase
+from damper3d.case.settings import EXAMPLES, commented_case
 from damper3d.commands import main as cli
+from damper3d.run.sweep import DAMPER
 from damper3d.studies.map import grid as mapping
 from damper3d.studies.predict import compare
 
@@ -62,6 +65,33 @@ def test_map_ranks_its_points_by_their_means_and_puts_them_on_a_page(damper3d, t
     assert (first["frequency_hz"], first["gamma"]) == (best["frequency_hz"], best["gamma"])
     assert first["efficiency.mean"] == pytest.approx(best["efficiency"])
     assert first["efficiency.low"] == pytest.approx(best["efficiency_low"])
+
+
+def test_a_field_costs_its_runs_and_the_packings_that_are_to_be_filled(damper3d):
+    grid = ["--frequencies", "20", "--gammas", "0.5,1", "--packings", "2"]
+    words = ["field", "thesis", *grid, "--dry-run", "--json"]
+    planned = json.loads(damper3d(*words)[1])
+    cases = [DamperCase.load("thesis", {"motion.frequency": 20.0, "motion.gamma": gamma,
+                                        "run.steady": True}) for gamma in (0.5, 1.0)]  # fmt: skip
+    each = [DAMPER.expected_cpu_s(case) for case in cases]
+    seconds = 2 * (each[0][0] + sum(run for _, run in each))
+    assert planned["packings_to_fill"] == 2
+    assert 60 * planned["expected_cpu_min_at_most"] == pytest.approx(seconds, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("command", "of"), [(["map"], "host"), (["predict", "--simulate"], "host"), (["map"], "random")]
+)
+def test_runs_over_frequency_and_gamma_refuse_what_else_moves_the_enclosure(
+    damper3d, tmp_path, command, of
+):
+    """In words on the case, not on keys that the command sets."""
+    file, section = tmp_path / "case.toml", "host" if of == "host" else "excitation"
+    file.write_text(commented_case(EXAMPLES[of]), encoding="utf-8")
+    name, *more = command
+    code, out, err = damper3d(name, str(file), *more, "--no-figures")
+    assert (code, out) == (2, "")
+    assert f"give a case without [{section}]" in err
 
 
 def test_dry_run_says_how_many_runs_and_writes_nothing(damper3d, tmp_path):

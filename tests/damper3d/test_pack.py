@@ -16,6 +16,7 @@ from damper3d.reproduce.quantities.packing import shipped
 from damper3d.shapes.multisphere import sphere
 from damper3d.shapes.particle import parse_particle
 from damper3d.studies.pack.compact import ALLOWED, cell_of, compact, coordination
+from damper3d.studies.pack.shaken import softened
 from damper3d.studies.predict.prediction import predict
 from granulab.campaign.output.results import read_results
 from granulab.contact.files.datafile import data_root
@@ -134,6 +135,20 @@ def test_too_few_particles_for_the_cell_are_refused():
         compact(parse_particle("prolate:3", 1.0, sub_spheres=13), 3, 1)
     result = damper3d("pack", "--particles", "prolate:3", "--bodies", 3, "--no-enclosure")
     assert_refused(result)
+
+
+def test_the_soft_particles_of_a_case_are_of_the_materials_file_beside_it(tmp_path, monkeypatch):
+    """E of 6.6 GPa, and not of a file of that name where the command is called: hertz over 100."""
+    for folder, modulus in (("own", "6.6 GPa"), ("called", "33 GPa")):
+        (tmp_path / folder).mkdir()
+        shipped_text = (data_root() / "materials" / "acrylic.toml").read_text(encoding="utf-8")
+        text = shipped_text.replace("3.3 GPa", modulus)
+        (tmp_path / folder / "mine.toml").write_text(text, encoding="utf-8")
+    case = tmp_path / "own" / "case.toml"
+    case.write_text('schema = 1\n[particles]\nmaterials = "mine.toml"\n', encoding="utf-8")
+    monkeypatch.chdir(tmp_path / "called")
+    hard, soft = DamperCase.load(case), softened(str(case), {})
+    assert soft.wall_law.hertz == pytest.approx(hard.wall_law.hertz / 100, rel=1e-5)
 
 
 # What is shipped

@@ -21,11 +21,12 @@ from damper3d.engine.walls import gap_to_wall
 from damper3d.measures.efficiency import closure
 from damper3d.shapes.multisphere import sphere
 from damper3d.studies.quasistatic import course, protocol
-from damper3d.studies.quasistatic.case import SlowTest
+from damper3d.studies.quasistatic.case import SAMPLES, SlowTest
 from damper3d.studies.quasistatic.chart import draw
+from damper3d.studies.quasistatic.claims import Readings, alike
 from damper3d.studies.quasistatic.claims import verdicts as judged
-from damper3d.studies.quasistatic.measure import Result
-from damper3d.studies.quasistatic.report import report
+from damper3d.studies.quasistatic.measure import Result, stiffness
+from damper3d.studies.quasistatic.report import report, summary
 from damper3d.studies.quasistatic.rig import BASE, BOTTOM_SIDE, TABLE, TOP_SIDE, Halves
 from damper3d.studies.quasistatic.shapes import HOLES, SPHEROIDS, by_shape, scatter_of
 from granulab.campaign.output.results import read_results
@@ -285,6 +286,44 @@ def test_a_dry_run_says_what_it_costs_and_bad_shapes_end_with_code_two(tmp_path)
     assert_refused(refused)
 
 
+@pytest.mark.parametrize(("words", "cut_off"), [(["--no-figures"], False), ([], True)])
+def test_a_table_without_a_picture_or_cut_off_is_written(tmp_path, monkeypatch, words, cut_off):
+    """Of --no-figures, and of Ctrl-C, which leaves rows that are interrupted."""
+    _, rows = read_results(RESULTS / "shear.csv")
+    rows = rows[:2] + [{**rows[2], "state": "interrupted", "reason": "stopped"}] * cut_off
+    monkeypatch.setattr("granulab.campaign.sweeps.sweep.run_labelled", lambda *_, **__: rows)
+    result = damper3d("shear", "--particles", "prolate:1", "-o", tmp_path, "--quiet", *words)
+    assert (result.code != 0) == cut_off
+    assert sorted(path.suffix for path in tmp_path.iterdir()) == [".csv", ".parquet", ".txt"]
+
+
+def test_the_kernels_are_compiled_where_those_of_these_walls_are(tmp_path, monkeypatch):
+    """Those of a damper in the same folder are not theirs."""
+    monkeypatch.setattr(protocol, "cache_folder", lambda room: str(tmp_path))
+    (tmp_path / "kernels").mkdir()
+    (tmp_path / "kernels" / "of_a_damper.nbc").touch()
+    assert not protocol.SLOW_TESTS.compiled()
+    monkeypatch.setattr(protocol, "once", lambda folder, name, work: (folder / name).touch())
+    protocol.compile_kernels()
+    assert protocol.SLOW_TESTS.compiled()
+
+
+def test_a_step_costs_what_the_committed_tests_of_its_shape_took():
+    """To a factor of two of the mean over the packings of each."""
+    shapes = by_shape(read_results(RESULTS / "shear.csv")[1])
+    for name, shape in shapes.items():
+        test = SlowTest.load("shear", {"particles.shape": name}, {})
+        steps = SAMPLES * course.steps_per_sample(test, True)
+        step = 1e6 * protocol.expected_stages(test)["testing"] / steps
+        assert 0.5 < step / shape.sample("cpu_us_per_step").mean < 2.0
+
+
+def test_the_secant_to_the_whole_distance_is_that_to_the_last_point():
+    """Which is half a row before it; of a straight line all secants are one."""
+    way = np.append(0.0, 1e-5 * (np.arange(100) + 0.5))
+    assert stiffness(1e-3, way, 5.0 + 3e4 * way) == pytest.approx(3e4, rel=1e-12)
+
+
 def made(shape: str, values: list[float]) -> list[dict[str, Any]]:
     columns = [{"stiffness_n_per_m": v, "force_mean_n": v} for v in values]
     return [{"shape": shape, "state": "done", **own} for own in columns]
@@ -331,6 +370,19 @@ def test_shapes_that_are_alike_seldom_fail_by_the_scatter_of_their_packings():
     assert failed.max() <= 200 * (0.05 + 3 * math.sqrt(0.05 * 0.95 / 200))
 
 
+@pytest.mark.parametrize("few", [1.5, 2, 3])
+def test_shapes_are_not_alike_where_few_packings_of_any_of_them_hide_a_half(few):
+    """Of a deviation of a half, 20 packings of each of two resolve 0.3, and two of one 0.75."""
+    packings = {ratio: 2 if ratio == few else 20 for ratio in (1.5, 2, 3)}
+    rows = [row for ratio, n in packings.items()
+            for row in made(f"prolate:{ratio:g}", [0.5, 1.5] * (n // 2))]  # fmt: skip
+    shapes = by_shape(rows)
+    readings = Readings(shapes, "force_mean_n", scatter_of(shapes, "shear", "force_mean_n"))
+    (check,) = alike(readings, "prolate")
+    assert check.holds is None
+    assert "would hide a half" in check.found
+
+
 def test_toroids_without_a_sphere_of_their_own_name_the_run_that_lacks():
     """That of 3.5 mm; prolate:1 has 3.8 mm."""
     rows = made("prolate:1", [1.0, 1.1]) + made("toroid:0.2", [1.0, 1.1])
@@ -359,6 +411,26 @@ def test_the_words_of_a_committed_table_are_what_its_rows_say(kind, packings):
     words = "\n".join(line for line in text.splitlines() if not line.startswith("# "))
     assert words.strip() == report(rows).strip()
     assert [row["state"] for row in rows] == ["done"] * 13 * packings
+
+
+@pytest.mark.parametrize(
+    ("own", "words"),
+    [
+        ({"inertial_number": 8.6e-2}, "an inertial number of 8.6e-02, above 0.001, is not slow"),
+        ({"preload_mean_n": 23.5}, "a mean pre-load 53 %, more than 25 %, off"),
+    ],
+)
+def test_tests_that_are_not_slow_or_not_under_their_preload_are_warned_of_and_not_judged(
+    own, words
+):
+    _, rows = read_results(RESULTS / "shear.csv")
+    assert summary("shear", rows)["warnings"] == []
+    spoilt = [{**rows[0], **own}, *rows[1:]]
+    assert f"warning: {words}: no claim is judged; give a lower --speed" in report(spoilt)
+    assert "claims:" not in report(spoilt)
+    found = summary("shear", spoilt)
+    assert len(found["warnings"]) == 1
+    assert found["statements"] == []
 
 
 def test_the_picture_shows_the_stiffest_shape_of_either_family():

@@ -1,6 +1,7 @@
 """Tables from the command line, runs of few spheres: shares, sensitivity, cycles, experiments."""
 
 from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -10,6 +11,7 @@ from damper3d.commands.main import app
 from damper3d.reproduce import TABLES, cycles, experiments, find, sensitivity, shares
 from damper3d.reproduce.panels import point_cases
 from damper3d.reproduce.quantities import properties
+from damper3d.reproduce.quantities.optima import Table63, exponent_of_frequency
 from damper3d.run.sweep import DAMPER
 from granulab.campaign.cli.reproduce import PublishedTable
 from granulab.campaign.output.layout import on_screen
@@ -77,3 +79,20 @@ def test_the_tables_are_in_the_registry(name):
 def test_a_table_that_is_whole_costs_nothing():
     """As `--add` of a table finds it that lacks no run."""
     assert cost(DAMPER, []).startswith("0 runs")
+
+
+def test_exponents_that_share_an_optimum_are_one_line_of_the_scatter():
+    """Of dampers with 1.8, 1.9 and 2.0 from 20 to 80 Hz, whatever those at 40 Hz: t = -sqrt(3)."""
+    exponents = dict(zip((40, 45, 50), (1.8, 1.9, 2.0), strict=True))
+    optima = {
+        (height, f, "vertical"): SimpleNamespace(
+            gamma=(f / 20.0) ** exponent * (1.3 if f == 40 else 1.0), error=lambda _: 0.1
+        )
+        for height, exponent in exponents.items()
+        for f in (20.0, 40.0, 80.0)
+    }
+    found = exponent_of_frequency(Table63(optima, None))
+    assert len(found) == 6
+    assert {one["together"] for one in found} == {
+        "; mean 1.90, away from 2 by t = -1.7 of the lines' scatter (p = 0.2)"
+    }

@@ -15,6 +15,7 @@ from damper3d.reproduce.quantities.experiments import (
     flights,
     readings,
     signs_of,
+    smooth_over_printed,
 )
 from granulab.campaign.claims.claim import claims_of
 from granulab.campaign.output.figure import write_figure
@@ -58,6 +59,20 @@ def judged(made):
 
 def test_all_claims_hold_of_what_the_thesis_says():
     assert set(judged(rows()).values()) == {True}
+
+
+@pytest.mark.parametrize("seeds", [[1], [1, 2, 3]])
+def test_packings_on_which_the_walls_do_no_work_have_no_logarithm(seeds):
+    made = [
+        row | {"efficiency_wall_work": -1e-3}
+        if (row["surface"], row["gamma"]) == ("smooth", 1.5) and row["seed"] in seeds
+        else row
+        for row in rows()
+    ]
+    found = readings(made)
+    assert {len(logs) for logs in found["logs"]} == {3, 3 - len(seeds)}
+    points_of_both = smooth_over_printed(found)
+    assert len(points_of_both) == len(AS_SAID) * 2 - (2 if len(seeds) == 3 else 0)
 
 
 def changed(gamma, **values):

@@ -20,6 +20,7 @@ from damper3d.reproduce.measured.quantities import (
     found_in,
     of_beds,
     published,
+    rises,
     unlike,
 )
 from granulab.campaign.claims.claim import claims_of
@@ -105,6 +106,14 @@ def test_powers_come_out_as_they_were_put_in():
     for one in found:
         assert one["value"] == pytest.approx(wanted[one["name"]], abs=1e-9)
         assert one["high"] - one["low"] < 1e-6
+
+
+def test_a_run_whose_bed_does_not_rise_counts_in_no_power():
+    rows = made()
+    thin = [row for row in rows if row["bed"] == "thin"]
+    low = next(k for k, row in enumerate(thin) if row["at"] > 1.0)
+    sunk = [row | ({"bed_height_m": 0.0} if k == low else {}) for k, row in enumerate(thin)]
+    assert len(rises(sunk)) == len(rises(thin)) - 1
 
 
 def test_thresholds_lie_between_the_last_that_fails_and_the_first_that_passes():

@@ -16,6 +16,7 @@ from analytic import (
 from damper3d.studies.single_contact.spheres.impact import STEPS_PER_CONTACT, Impact, run
 from granulab.contact import load_table
 from granulab.contact.material import Measured
+from granulab.contact.sphere_law import yield_velocity
 
 LAWS = ("displacement", "force", "mindlin-deresiewicz")
 ALUMINA_RADIUS = 2.5e-3
@@ -289,6 +290,18 @@ def test_stored_displacement_gains_energy_where_friction_is_high():
     energy = 0.5 * oblique(57.0).mass * 3.9**2
     assert -gains.dissipated_j / energy == pytest.approx(0.0043, abs=2e-4)
     assert keeps.dissipated_j > -1e-9 * energy
+
+
+@pytest.mark.parametrize("end", ["overlap", "force"])
+def test_the_damping_of_the_restitution_gives_it_above_the_yield_velocity_too(end):
+    """e0 (v_y/v)^(1/4), v_y by eq. 5.26, also where the contact ends at zero force."""
+    radius, speed = 2.5e-3, 14.0
+    mass = 4 / 3 * math.pi * radius**3 * ACRYLIC.density.value
+    limit = yield_velocity(ACRYLIC, ACRYLIC, radius=radius, mass=mass)
+    one = Impact(ACRYLIC, ACRYLIC, radius=radius, speed=speed, restitution=0.7, end=end,
+                 damping="restitution", yielding=True)  # fmt: skip
+    expected = 0.7 * (limit / speed) ** 0.25
+    assert run(one).normal_restitution == pytest.approx(expected, abs=STEP)
 
 
 def test_restitution_above_the_yield_velocity():

@@ -153,21 +153,16 @@ def _plan(
     from damper3d.studies.field.report import field_folder
     from damper3d.studies.field.runs import check_length, steady_changes
     from damper3d.studies.map.grid import map_cases
+    from damper3d.studies.map.report import planned
 
     cases = [case for _, case in map_cases(name, steady_changes(changes), grid)]
     check_length(cases[0].name, cases[0].settings.run.max_cycles, cases[0].settings.run.discard)
     seconds = sum(DAMPER.expected_cpu_s(case)[1] for case in cases) / len(cases)
-    todo = sum(DAMPER.run_folder(case, out).state != "finished" for case in cases)
-    return {
-        "case": cases[0].name,
-        "folder": str(field_folder(name, changes, grid, refine, out).path),
-        "frequencies_hz": list(grid.frequencies),
-        "gammas": list(grid.gammas),
-        "packings": grid.packings,
-        "runs": len(cases),
-        "finished": len(cases) - todo,
+    found = planned(cases, grid, field_folder(name, changes, grid, refine, out), out)
+    own = found.pop("expected_cpu_min")
+    return found | {
         "more_runs_at_most": refine.most_runs // grid.packings * grid.packings,
-        "expected_cpu_min_at_most": (todo + refine.most_runs) * seconds / 60,
+        "expected_cpu_min_at_most": own + refine.most_runs * seconds / 60,
     }
 
 

@@ -14,7 +14,7 @@ from damper3d.studies.map.chart import (
     fill_contours,
     plane,
 )
-from granulab.campaign.output.figure import headline
+from granulab.campaign.output.figure import entries, headline
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -73,9 +73,7 @@ def _draw(axes: "Axes", one: Ridges, *, named: bool) -> Any:
 
 def _legend(below: "Axes", panels: "list[Axes]") -> None:
     """All that any panel of a column shows."""
-    named: dict[str, Any] = {}
-    for axes in panels:
-        named |= dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+    named = entries(panels)
     named.pop("runs", None)  # white dots, which a white ground does not show
     below.axis("off")
     below.legend(
@@ -99,7 +97,6 @@ def draw_chapter(maps: Mapping[str, Maps]) -> "Figure":
         return figure
     grid = figure.subplots(len(keys), len(maps), squeeze=False, sharex=True, sharey=True)
     filled = None
-    named: dict[str, Any] = {}
     for column, (words, own) in zip(grid.T, maps.items(), strict=True):
         for axes, key in zip(column, keys, strict=True):
             one = own.get(key)
@@ -110,9 +107,9 @@ def draw_chapter(maps: Mapping[str, Maps]) -> "Figure":
             draw_onsets(axes, one.prediction, one.result)
             _plane(axes, one)
             axes.set_title(f"{words}, {key[0]}, {key[1]} mm", loc="left", fontsize=8)
-            named |= dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
     if filled is not None:
         figure.colorbar(filled, ax=grid, label="efficiency [-]", ticks=LEVELS, shrink=0.25)
+        named = entries(grid.T.flat)
         handles, labels = list(named.values()), list(named)
         figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8)
     return figure

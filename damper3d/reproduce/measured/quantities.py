@@ -1,6 +1,5 @@
 """Quantities of shaken and dropped beds that others measured, with the intervals of ours."""
 
-import csv
 import math
 from collections.abc import Callable, Sequence
 from functools import cache
@@ -20,10 +19,11 @@ from damper3d.reproduce.measured.beds import (
 from damper3d.studies.field.fall import falls
 from damper3d.studies.field.table import Field
 from damper3d.studies.map.grid import MapResult
+from damper3d.studies.map.peaks import highest
 from granulab.campaign.claims.judge import Quantities
 from granulab.campaign.output.layout import done
 from granulab.campaign.output.statistics import mean_sd, quantile
-from granulab.contact.files.datafile import data_file
+from granulab.contact.files.datafile import shipped_rows
 
 Row = dict[str, Any]
 Rows = Sequence[Row]
@@ -40,11 +40,8 @@ CONVECTING = ("leidenfrost", "buoyancy_convection", "convection")  # sec. 6.4.3.
 @cache
 def published() -> dict[str, tuple[float, float]]:
     """Findings of others: an interval by the name of a quantity."""
-    path = data_file("published", "shaken_beds")
-    assert path is not None  # shipped
-    with path.open(encoding="utf-8", newline="") as file:
-        table = csv.DictReader(line for line in file if not line.startswith("#"))
-        return {row["quantity"]: (float(row["low"]), float(row["high"])) for row in table}
+    table = shipped_rows("published", "shaken_beds")
+    return {row["quantity"]: (float(row["low"]), float(row["high"])) for row in table}
 
 
 Found = dict[str, list[Row]]  # rows that are done, by the name of the bed
@@ -171,11 +168,10 @@ def _optimum(rows: Rows) -> Interval | None:
     The curve rises at once and falls slowly, so that the vertex of a parabola would lie too high.
     """
     result = MapResult.of(rows)
-    peaks = result.peaks(float(result.frequency[0]))
-    if not peaks:
+    top = highest(result.peaks(float(result.frequency[0])))
+    if top is None:
         return None
-    top = max(peaks, key=lambda peak: peak.efficiency).bracket
-    return _over_clearance(float(result.gamma[np.argmax(result.efficiency)]), *top)
+    return _over_clearance(float(result.gamma[np.argmax(result.efficiency)]), *top.bracket)
 
 
 def _over_clearance(value: float, low: float, high: float) -> Interval:
@@ -203,7 +199,7 @@ def _power(quantity: str) -> Callable[[Rows], Interval | None]:
 
 
 def rises(rows: Rows) -> list[tuple[float, float, float]]:
-    """Logarithms of peak velocity, number and rise of the centre of mass of each run [SI]."""
+    """Logarithms of peak velocity, number and rise of the centre of mass of each run that rises."""
     rest: dict[int, list[float]] = {}
     for row in rows:
         if row["at"] == AT_REST:
@@ -211,10 +207,10 @@ def rises(rows: Rows) -> list[tuple[float, float, float]]:
     found = []
     for row in rows:
         if row["at"] > 1.0 and row["count"] in rest:
-            still = mean_sd(rest[row["count"]]).mean or 0.0
+            rise = row["bed_height_m"] - (mean_sd(rest[row["count"]]).mean or 0.0)
             speed = row["gamma"] * GRAVITY / (2 * math.pi * row["frequency_hz"])
-            found.append((math.log(speed), math.log(row["count"]),
-                          math.log(row["bed_height_m"] - still)))  # fmt: skip
+            if rise > 0:
+                found.append((math.log(speed), math.log(row["count"]), math.log(rise)))
     return found
 
 

@@ -6,7 +6,16 @@ from damper3d.measures.phases.phase_map import draw_phase_map
 from damper3d.reproduce.phases.points import LARGE, STANDARD
 from damper3d.reproduce.phases.quantities import grouped
 from damper3d.reproduce.phases.readings import Points, points_of
-from granulab.campaign.output.figure import BLUE, GREEN, INK, ORANGE, headline, ruled, ticked
+from granulab.campaign.output.figure import (
+    BLUE,
+    GREEN,
+    INK,
+    ORANGE,
+    entries,
+    headline,
+    ruled,
+    ticked,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,9 +45,7 @@ def phase_charts(rows: list[Row]) -> "Figure":
             _map(axes, points, orientation, height, cycles)
             axes.set_title(f"{orientation}, {height} mm, {words}", loc="left", fontsize=9)
         _shares(panels[3], points, orientation)
-        found: dict[str, Any] = {}
-        for axes in panels[:3]:
-            found |= dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+        found = entries(panels[:3])
         row.legend(list(found.values()), list(found), loc="outside lower left", ncols=5, fontsize=8)
         row.legend(*panels[3].get_legend_handles_labels(), loc="outside lower right", ncols=2,
                    fontsize=8)  # fmt: skip

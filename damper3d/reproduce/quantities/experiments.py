@@ -1,6 +1,5 @@
 """Readings of chapter 7: restitution from flights; collisions in force and acceleration."""
 
-import csv
 import math
 from collections.abc import Sequence
 from functools import cache
@@ -18,7 +17,7 @@ from damper3d.view.shaker import signals
 from granulab.campaign.claims.judge import Quantities
 from granulab.campaign.output.layout import done
 from granulab.campaign.output.statistics import mean_sd, noise_of_difference
-from granulab.contact.files.datafile import data_file
+from granulab.contact.files.datafile import shipped_rows
 from granulab.contact.files.table import load_table
 
 if TYPE_CHECKING:
@@ -69,7 +68,10 @@ def signs_of(cycles: Cycles) -> Row:
 
 
 def readings(rows: Sequence[Row]) -> "DataFrame":
-    """Means over the packings, a line a point: signs, efficiency_wall_work and its logs."""
+    """Means over the packings, a line a point: signs, efficiency_wall_work and its logs.
+
+    Of a packing on which the walls do no work in the mean there is no logarithm.
+    """
     from pandas import DataFrame
 
     several = [
@@ -80,7 +82,9 @@ def readings(rows: Sequence[Row]) -> "DataFrame":
     if not several:
         return DataFrame(columns=POINT)
     groups = DataFrame(several).groupby(POINT, sort=False)
-    logs = groups["efficiency_wall_work"].agg(lambda etas: [math.log(eta) for eta in etas])
+    logs = groups["efficiency_wall_work"].agg(
+        lambda etas: [math.log(eta) for eta in etas if eta > 0]
+    )
     return groups.mean().assign(logs=logs).reset_index()
 
 
@@ -109,8 +113,8 @@ def smooth_over_printed(found: "DataFrame") -> list[Row]:
         printed = known.get(("printed", frequency, gamma))
         if surface != "smooth" or printed is None:
             continue
-        assert smooth.mean is not None
-        assert printed.mean is not None
+        if smooth.mean is None or printed.mean is None:
+            continue
         value, noise = math.exp(smooth.mean - printed.mean), noise_of_difference(smooth, printed)
         items.append({"frequency_hz": frequency, "gamma": gamma, "value": value,
                       "noise": math.nan if noise is None else value * noise})  # fmt: skip
@@ -184,10 +188,7 @@ def of_simulations(_found: "DataFrame") -> list[Row]:
 @EXPERIMENTS.quantity
 def roughness(_found: "DataFrame", over: float = 1e-6) -> list[Row]:
     """Mean roughness of each surface over a length [m], from Table 7.1."""
-    path = data_file("published", "surface_roughness")
-    assert path is not None  # shipped
-    with path.open(encoding="utf-8", newline="") as file:
-        table = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    table = shipped_rows("published", "surface_roughness")
     return [
         {"path": name, "value": 1e-6 * float(np.mean([float(row[name]) for row in table])) / over}
         for name in ("smooth", "perpendicular", "on_ridge")

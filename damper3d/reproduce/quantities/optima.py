@@ -146,12 +146,18 @@ def optimum_gamma(table: Table63) -> list[Row]:
 def exponent_of_frequency(table: Table63) -> list[Row]:
     """Exponent of f of the optimum from one frequency to the next (low, high), with its error.
 
-    together: the mean of all in words, and how far it is from 2 by their scatter.
+    together: the mean in words of each damper's over all its frequencies, as two from one to the
+    next share an optimum, and how far it is from 2 by their scatter.
     """
     found: list[Row] = []
+    whole = []
     known = table.optima
     for height, orientation in dict.fromkeys((h, o) for h, _, o in known):
         frequencies = sorted(f for h, f, o in known if (h, o) == (height, orientation))
+        ends = [known[height, f, orientation].gamma for f in (frequencies[0], frequencies[-1])]
+        if len(frequencies) > 1:
+            octaves = math.log(frequencies[-1] / frequencies[0])
+            whole.append(math.log(ends[1] / ends[0]) / octaves)
         for low, high in pairwise(frequencies):
             first, second = known[height, low, orientation], known[height, high, orientation]
             octave = math.log(high / low)
@@ -160,7 +166,7 @@ def exponent_of_frequency(table: Table63) -> list[Row]:
                 "value": math.log(second.gamma / first.gamma) / octave,
                 "noise": math.hypot(first.error(table.pooled), second.error(table.pooled)) / octave,
             })  # fmt: skip
-    together = _against_two([one["value"] for one in found])
+    together = _against_two(whole)
     return [one | {"together": together} for one in found]
 
 

@@ -1,6 +1,5 @@
 """Packing fractions of a shape: means over packings, sizes, quantities, and the shipped table."""
 
-import csv
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -10,7 +9,7 @@ from damper3d.case.closed_forms import bouncing_bed_onset, effective_clearance
 from granulab.campaign.claims.judge import Quantities
 from granulab.campaign.output.layout import done, with_sd
 from granulab.campaign.output.statistics import Sample, mean_sd, noise_of_difference, pooled_sd
-from granulab.contact.files.datafile import data_file
+from granulab.contact.files.datafile import shipped_rows
 
 Row = dict[str, Any]
 Shape = tuple[str, float]  # family and ratio
@@ -89,11 +88,8 @@ def size_change(own: Values) -> Change | None:
 
 def distance_from_table(packing: float) -> float:
     """Mean |ln(Gamma/predicted)| of the onsets that the thesis simulated (Table 6.3)."""
-    path = data_file("published", "damper_optimum_amplitude")
-    assert path is not None  # shipped
-    lines = path.read_text(encoding="utf-8").splitlines()
     distances = []
-    for row in csv.DictReader(line for line in lines if not line.startswith("#")):
+    for row in shipped_rows("published", "damper_optimum_amplitude"):
         if not row["approach"].startswith("DEM"):
             continue
         length = float(row["height_m"])

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from damper3d.studies.map.grid import MapResult
-from damper3d.studies.map.peaks import Peak
+from damper3d.studies.map.peaks import Peak, highest
 from granulab.campaign.claims.judge import Quantities
 from granulab.campaign.output.layout import done
 from granulab.campaign.output.statistics import mean_sd, noise_of_difference, slope
@@ -141,8 +141,7 @@ def found_in(rows: Sequence[Row]) -> Found:
 
 def _highest(rows: Sequence[Row]) -> Peak | None:
     result = MapResult.of(rows)
-    peaks = result.peaks(float(result.frequency[0]))
-    return max(peaks, key=lambda peak: peak.efficiency, default=None)
+    return highest(result.peaks(float(result.frequency[0])))
 
 
 @RULES.quantity

@@ -7,7 +7,7 @@ from typing import Any
 
 from damper3d.reproduce.quantities.properties import STANDARD, VALUES, span
 from damper3d.studies.map.grid import MapResult
-from damper3d.studies.map.peaks import Peak
+from damper3d.studies.map.peaks import Peak, highest
 from granulab.campaign.claims.judge import Quantities
 from granulab.campaign.output.layout import done
 from granulab.campaign.output.statistics import slope
@@ -44,8 +44,7 @@ def peaks_of(rows: Sequence[Row]) -> Peaks:
     peaks: dict[Key, Peak | None] = {}
     for key, own in groups.items():
         result = MapResult.of(own)
-        found = result.peaks(float(result.frequency[0]))
-        peaks[key] = max(found, key=lambda peak: peak.efficiency, default=None)
+        peaks[key] = highest(result.peaks(float(result.frequency[0])))
     optima = [peak.gamma for peak in peaks.values() if peak is not None]
     gammas: set[float] = set()
     if groups and len(optima) == len(groups):  # none where a value has no optimum

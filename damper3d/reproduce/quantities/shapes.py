@@ -4,7 +4,6 @@ The thesis takes the highest peak of a curve: at 20 and 40 Hz the onset of the b
 8.5.1), at higher frequencies the fluidisation optimum (sec. 8.5.2).
 """
 
-import csv
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
@@ -17,12 +16,12 @@ from damper3d.reproduce.quantities.curves import curve
 from damper3d.reproduce.quantities.optima import Optimum, located
 from damper3d.reproduce.quantities.properties import STANDARD, VALUES, in_words
 from damper3d.studies.map.grid import MapResult
-from damper3d.studies.map.peaks import Peak
+from damper3d.studies.map.peaks import Peak, highest
 from damper3d.studies.predict.prediction import Clearance, Prediction
 from granulab.campaign.claims.judge import Quantities
 from granulab.campaign.output.layout import done
 from granulab.campaign.output.statistics import Slope, mean_sd, slope
-from granulab.contact.files.datafile import data_file
+from granulab.contact.files.datafile import shipped_rows
 
 Shape = tuple[str, float]  # family of the thesis's tables, or GRIDDED, and ratio
 
@@ -44,13 +43,9 @@ def shapes() -> tuple[Shape, ...]:
 @cache
 def sphericities() -> dict[Shape, float]:
     """Sphericity (eq. 8.3) of each shape, as these tables print it."""
-    path = data_file("published", "nonspherical_shapes")
-    assert path is not None  # shipped
-    lines = path.read_text(encoding="utf-8").splitlines()
-    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
     return {
         (row["shape"], float(row["ratio"])): float(row["sphericity"])
-        for row in rows
+        for row in shipped_rows("published", "nonspherical_shapes")
         if row["simulated"] == "yes"
     }
 
@@ -110,13 +105,13 @@ def optima(rows: Sequence[Row]) -> dict[Line, Optimum | None]:
 
 def optimum_of(rows: Sequence[Row], line: Line) -> Optimum | None:
     """The highest peak of the rows of a curve; None where none stands out."""
-
-    def highest(result: MapResult) -> Peak | None:
-        return max(result.peaks(line.frequency), key=lambda peak: peak.efficiency, default=None)
-
     if not any(row["state"] == "done" for row in rows):
         return None
-    return located(rows, line.frequency, highest, _prediction(rows, line))
+
+    def top(result: MapResult) -> Peak | None:
+        return highest(result.peaks(line.frequency))
+
+    return located(rows, line.frequency, top, _prediction(rows, line))
 
 
 def _prediction(rows: Sequence[Row], line: Line) -> Prediction:

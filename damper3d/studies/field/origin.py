@@ -20,7 +20,11 @@ _KEYS = {
     "enclosure": {"height"},
 }
 _OF_LAW = {"particles": {"material", "materials"}, "enclosure": {"material", "materials"}}
-_ENCLOSURE, _CONTACTS = "enclosure: ", "contacts: "  # as lines of a head begin
+_ENCLOSURE, _MOTION, _CONTACTS = "enclosure: ", "motion: ", "contacts: "  # as lines of a head begin
+# Keys of [law] whose numbers stand in the words on each pair of materials, or are of the bed.
+_OF_PAIRS = {
+    "friction", "friction_wall", "restitution", "restitution_wall", "youngs_modulus", "density"
+}  # fmt: skip
 _MASS = 0.05  # of a bed's, by which drawn sizes may differ, and materials do not so little
 
 
@@ -30,6 +34,7 @@ def head(case: DamperCase) -> tuple[str, ...]:
     return (
         f"effective mass of {case.name}: {size}, fill ratio {case.fill_ratio:.3f}, {lid(case)}",
         _ENCLOSURE + case.enclosure.words,
+        _MOTION + _motion(case),
         _CONTACTS + contacts(case),
         f"granulab {version('granulab')}, {' '.join(['damper3d', *sys.argv[1:]])}",
         "m' - i m'' with F = omega^2 (m' - i m'') X of x = Re(X exp(i omega t)); half widths of "
@@ -42,8 +47,16 @@ def lid(case: DamperCase) -> str:
     return f"with a lid, {1e3 * case.enclosure.height:g} mm high, {case.orientation}"
 
 
+def _motion(case: DamperCase) -> str:
+    along, down = (" ".join(f"{x + 0.0:.4g}" for x in v) for v in (case.direction, case.gravity))
+    return f"along {along}, gravity {down} m/s2"
+
+
 def contacts(case: DamperCase) -> str:
-    """Laws of the contacts of a case, in words that two cases share where their laws are one."""
+    """Laws of the contacts of a case, in words that two cases share where their laws are one.
+
+    Keys of [law] that have their defaults are left out, as is what spheres do not depend on.
+    """
     own, parts = case.settings.law, []
     for one in case.pairings:
         law, where = one.law, "walls" if one.of_wall else "particles"
@@ -51,8 +64,9 @@ def contacts(case: DamperCase) -> str:
             f"{where} 4/3 E {law.hertz:.4g} Pa, kt/kn {law.tangential:.4g}, mu {law.mu:g}, "
             f"restitution {one.restitution:g}"
         )
-    more = {name: getattr(own, name) for name in ("rolling_friction", "cohesion", "surface_energy")}
-    return "; ".join([*parts, *(f"{name} {value}" for name, value in more.items() if value)])
+    without = _OF_PAIRS | ({"contact_treatment"} if case.of_spheres else set())
+    more = own.model_dump(exclude=without, exclude_defaults=True)
+    return "; ".join([*parts, *(f"{name} {str(value).lower()}" for name, value in more.items())])
 
 
 def check_origin(table: str, lines: tuple[str, ...], case: DamperCase) -> None:
@@ -81,6 +95,7 @@ def check_origin(table: str, lines: tuple[str, ...], case: DamperCase) -> None:
         getattr(case.settings, section).model_fields_set & keys for section, keys in _OF_LAW.items()
     )
     for section, given, begins, here in (
+        ("motion", of_motion, _MOTION, _motion(case)),
         ("enclosure", case.settings.enclosure.model_fields_set, _ENCLOSURE, case.enclosure.words),
         ("law", of_law, _CONTACTS, contacts(case)),
     ):

@@ -11,7 +11,16 @@ from damper3d.measures.phases.phase_map import draw_phase_map
 from damper3d.studies.map.grid import MapResult, counted
 from damper3d.studies.map.ridges import OnRidge
 from damper3d.studies.predict.prediction import Clearance, Prediction
-from granulab.campaign.output.figure import BLUE, INK, PAPER, SKY, VERMILION, headline, ruled
+from granulab.campaign.output.figure import (
+    BLUE,
+    INK,
+    PAPER,
+    SKY,
+    VERMILION,
+    entries,
+    headline,
+    ruled,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -59,11 +68,7 @@ def draw_map(result: MapResult, prediction: Prediction, on_ridges: list[OnRidge]
         plane(axes, one)
         if len(counts) > 1:
             axes.set_title(words, loc="left", fontsize=9)
-    legend = {
-        label: handle
-        for axes in panels
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
-    }
+    legend = entries(panels)
     figure.legend(legend.values(), legend.keys(), loc="outside right upper", labelspacing=0.7)
     return figure
 
@@ -85,6 +90,9 @@ def _draw_curves(axes: "Axes", counts: Mapping[str, MapResult], prediction: Pred
     """The efficiencies with their intervals, along the quantity of which there are several."""
     result = list(counts.values())[-1]  # of the last count no point lacks that another has
     along_gamma = _values(result, result.frequency) == 1
+    known = np.flatnonzero(np.isfinite(result.efficiency))
+    first = known[0] if known.size else 0
+    frequency, gamma = float(result.frequency[first]), float(result.gamma[first])
     looks = ("o-", INK), ("s--", BLUE)
     for (label, one), (style, colour) in zip(counts.items(), looks, strict=False):
         x = one.gamma if along_gamma else one.frequency
@@ -94,7 +102,7 @@ def _draw_curves(axes: "Axes", counts: Mapping[str, MapResult], prediction: Pred
         )  # fmt: skip
     if along_gamma:
         for clearance in prediction.clearances:
-            onset = clearance.onset(float(result.frequency[0]))
+            onset = clearance.onset(frequency)
             if onset is not None:
                 axes.axvline(onset, color=VERMILION, ls=_LINES[clearance.name],
                              label=_onset_label(clearance))  # fmt: skip
@@ -102,7 +110,7 @@ def _draw_curves(axes: "Axes", counts: Mapping[str, MapResult], prediction: Pred
     label = "Γ [-]" if along_gamma else "frequency [Hz]"
     axes.set(xscale="log", xlabel=label, ylabel="efficiency [-]", ylim=(0, None))
     _plain_ticks(axes.xaxis, _GAMMAS if along_gamma else _spaced(np.unique(result.frequency)))
-    fixed = f"{result.frequency[0]:g} Hz" if along_gamma else f"Γ = {result.gamma[0]:g}"
+    fixed = f"{frequency:g} Hz" if along_gamma else f"Γ = {gamma:g}"
     axes.set_title(fixed, loc="left", fontsize=9)
 
 

@@ -247,8 +247,16 @@ def map_cases(
 ) -> list[Labelled]:
     """The case at each point of a grid, or at `points` instead, once for each packing.
 
-    A point is (frequency, Gamma); the labels are frequency_hz, gamma and seed.
+    A point is (frequency, Gamma); the labels are frequency_hz, gamma and seed. InputError where the
+    case has a host or an excitation.
     """
+    own = DamperCase.load(name_or_path, changes)
+    moved = "host" if own.modes is not None else "excitation" if own.excitation is not None else ""
+    if moved:
+        raise InputError(
+            f"{name_or_path}: [{moved}] moves the enclosure, and runs over frequency and Gamma are "
+            f"of a prescribed sine; give a case without [{moved}]"
+        )
     cases: list[Labelled] = []
     for frequency, gamma in grid.points if points is None else points:
         here = {"motion.frequency": frequency, "motion.gamma": gamma, "output.keep": "summary"}

@@ -4,7 +4,7 @@ All of it looks at eta against ln Gamma at one frequency, each eta with the half
 interval, which stands for the noise (0 or NaN: none known).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,6 +39,11 @@ class Peak:
     prominence: float
     index: int
     bracket: tuple[float, float]
+
+
+def highest(peaks: Iterable[Peak]) -> Peak | None:
+    """The peak of the largest efficiency; None where there is none."""
+    return max(peaks, key=lambda peak: peak.efficiency, default=None)
 
 
 def find_peaks(gamma: ArrayLike, efficiency: ArrayLike, half_width: ArrayLike) -> list[Peak]:

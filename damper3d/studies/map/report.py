@@ -3,18 +3,23 @@
 import math
 import sys
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from damper3d.case.case import DamperCase
 from damper3d.run.protocol import PACKAGES, run_digest
 from damper3d.run.sources import SOURCES
+from damper3d.run.sweep import DAMPER
 from damper3d.studies.map.grid import Grid, MapResult, Rows, map_cases
 from damper3d.studies.map.ridges import OnRidge
 from damper3d.studies.predict.prediction import Prediction
+from granulab.campaign.output import room
 from granulab.campaign.output.files import writing
 from granulab.campaign.output.table import write_table
 from granulab.campaign.runs.folder import RunFolder, digest
 from granulab.campaign.runs.provenance import provenance
+from granulab.campaign.sweeps.overview import expected_cpu_s
 from granulab.campaign.sweeps.report.axes import Varied
 from granulab.campaign.sweeps.report.comparison import Comparison
 from granulab.campaign.sweeps.report.quantities import Quantities
@@ -29,6 +34,28 @@ def map_folder(name_or_path: str, changes: dict[str, Any], grid: Grid, out: Path
     runs = [[labels, run_digest(case)] for labels, case in cases]
     named = f"{cases[0][1].name}-{digest({'runs': runs, 'refine': grid.refine})}"
     return RunFolder(Path(out) / "maps" / named)
+
+
+def planned(
+    cases: Sequence[DamperCase], grid: Grid, folder: RunFolder, out: Path
+) -> dict[str, Any]:  # fmt: skip
+    """The runs of a grid and their cost, with the packings that are not there yet."""
+    todo = [case for case in cases if DAMPER.run_folder(case, out).state != "finished"]
+    packings, runs = expected_cpu_s(DAMPER, todo, out)
+    to_fill = [seconds for file, seconds in packings.items() if not file.exists()]
+    return {
+        "case": cases[0].name,
+        "folder": str(folder.path),
+        "frequencies_hz": list(grid.frequencies),
+        "gammas": list(grid.gammas),
+        "packings": grid.packings,
+        "runs": len(cases),
+        "finished": len(cases) - len(todo),
+        "packings_to_fill": len(to_fill),
+        "expected_cpu_min": (runs + sum(to_fill)) / 60,
+        "disk_bytes_at_most": DAMPER.disk_of(todo),
+        "disk_free_bytes": room.free(out),
+    }
 
 
 def write_map(folder: RunFolder, result: MapResult, results: dict[str, Any]) -> None:

@@ -24,7 +24,7 @@ from damper3d.case.parameters import materials_of
 from damper3d.engine.motions import at_rest, sine
 from damper3d.run.fill import fill, packed, resting
 from granulab.campaign.runs.protocol import Stop
-from granulab.contact.files.datafile import find
+from granulab.contact.files.datafile import data_file, find
 from granulab.contact.files.table import load_table
 from granulab.errors import Stopped
 
@@ -89,7 +89,8 @@ def protocol() -> dict[str, Any]:
 def softened(name: str, changes: dict[str, Any]) -> DamperCase:
     """A case with vertical motion whose particles and walls are SOFTER, and its longer steps."""
     hard = DamperCase.load(name, {**changes, "motion.orientation": "vertical"})
-    table = load_table(find(hard.settings.particles.materials, "materials", Path()))
+    folder = (data_file("cases", name) or Path(name)).parent  # as DamperCase.load has it
+    table = load_table(find(hard.settings.particles.materials, "materials", folder))
     modulus = materials_of(table, hard.settings)[0][0].youngs_modulus
     assert modulus is not None  # the case has refused that
     soft = {

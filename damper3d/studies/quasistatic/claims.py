@@ -7,6 +7,7 @@ of one packing pooled over all shapes. Where they do not, a claim that one is st
 more packings would show it.
 """
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -133,7 +134,8 @@ def alike(readings: Readings, kind: str) -> Sequence[Check]:
     freedom = len(samples) - 1
     p = float(fisher.sf(between / freedom / one**2, freedom, scatter.freedom))
     found = f"means {min(means) / middle:.2f} to {max(means) / middle:.2f} of their mean"
-    if scatter.half_width(*samples[:2]) > _TELLING * abs(middle) and p >= _SIGNIFICANT:
+    widest = max(itertools.starmap(scatter.half_width, itertools.combinations(samples, 2)))
+    if widest > _TELLING * abs(middle) and p >= _SIGNIFICANT:
         return [Check(None, f"{found}: within the scatter, which would hide a half")]
     return [Check(p >= _SIGNIFICANT, f"{found}; packings alone spread so with p = {p:.2g}")]
 

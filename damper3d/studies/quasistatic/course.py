@@ -70,7 +70,7 @@ def follow(
         elif not course.testing and sim.time > LONGEST_PRELOAD:
             raise SimulationError(
                 f"the pre-load of {test.preload:g} N did not come to rest in {LONGEST_PRELOAD:g} "
-                "s; give another --preload, or a higher --speed, which requires less rest"
+                "s; give another --preload"
             )
         report(test, course, stages)
         every = max(int(_CHECKPOINT_WORK / (test.damper.count * sim.steps_per_sample)), 1)

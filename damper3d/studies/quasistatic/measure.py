@@ -82,8 +82,9 @@ def reaction(test: SlowTest, rows: Samples) -> np.ndarray:
 
 
 def stiffness(at: float, way: np.ndarray, force: np.ndarray) -> float:
-    """Secant of the curve from no displacement to `at` [N/m]."""
-    return float((np.interp(at, way, force) - force[0]) / at)
+    """Secant of the curve from no displacement to `at` [N/m]; at most to its last point."""
+    end = min(at, way[-1])  # half a row before the whole distance
+    return float((np.interp(end, way, force) - force[0]) / end)
 
 
 def mean_rise(way: np.ndarray, force: np.ndarray) -> float:

@@ -12,6 +12,9 @@ from granulab.campaign.runs.folder import RunFolder
 
 Row = dict[str, Any]
 
+# Inertial number up to which a test is slow (GDR MiDi 2004, 10.1140/epje/i2003-10153-0), and part
+# of the pre-load by which its mean may be off.
+_SLOW, _HELD = 1e-3, 0.25
 _SCATTERED = ("stiffness_n_per_m", "force_mean_n")
 _MEASURED = (*_SCATTERED, "force_end_n", "bed_height_m", "packing_fraction")
 _TITLES = {
@@ -32,13 +35,29 @@ def report(rows: Sequence[Row]) -> str:
             None,
             [
                 f"{first['test']}: {_TITLES[first['test']]}\n{_how(first, shapes)}",
-                "\n".join(lines),
+                "\n".join(lines + warnings(done(rows))),
                 _table(shapes),
-                report_claims(verdicts(first["test"], shapes)),
+                "" if warnings(done(rows)) else report_claims(verdicts(first["test"], shapes)),
                 _quality(done(rows)),
             ],
         )
     )
+
+
+def warnings(rows: Sequence[Row]) -> list[str]:
+    """Lines on tests that were not slow or not under their pre-load; no claim is judged by them."""
+    fastest, off, found = max(row["inertial_number"] for row in rows), _off(rows), []
+    if fastest > _SLOW:
+        found.append(f"an inertial number of {fastest:.1e}, above {_SLOW:g}, is not slow")
+    if off > _HELD:
+        found.append(f"a mean pre-load {100 * off:.2g} %, more than {100 * _HELD:g} %, off")
+    return [f"warning: {one}: no claim is judged; give a lower --speed" for one in found]
+
+
+def _off(rows: Sequence[Row]) -> float:
+    """Part of the pre-load by which its mean is off, at most; 0 where none is held."""
+    held = [row for row in rows if row["preload_mean_n"] is not None]
+    return max((abs(row["preload_mean_n"] / row["preload_n"] - 1) for row in held), default=0.0)
 
 
 def finished_test(run: RunFolder) -> str:
@@ -69,6 +88,7 @@ def one_test(found: Result) -> str:
         f"  cost             {found.cpu_us_per_step:.1f} us of CPU a step, {found.steps:,} steps "
         f"of {found.time_step_s:.3g} s; {found.cpu_s:.0f} s in all",
         f"  run folder       {found.run_folder}",
+        *warnings([vars(found)]),
     ]
     return "\n".join(lines)
 
@@ -76,16 +96,17 @@ def one_test(found: Result) -> str:
 def summary(test: str, rows: Sequence[Row]) -> dict[str, Any]:
     """The table for --json: a word a shape, the claims, and all runs."""
     shapes = by_shape(rows)
+    doubts = warnings(done(rows)) if shapes else []
+    judged = [] if doubts else verdicts(test, shapes)
     return {
         "test": test,
+        "warnings": doubts,
         "shapes": [
             {"shape": name, "packings": len(shape.rows)}
             | {column: _measured(shape, column, shapes, test) for column in _MEASURED}
             for name, shape in shapes.items()
         ],
-        "statements": [
-            {"statement": one.words, "holds": one.holds} for one in verdicts(test, shapes)
-        ],
+        "statements": [{"statement": one.words, "holds": one.holds} for one in judged],
         "rows": list(rows),
     }
 
@@ -150,9 +171,10 @@ def _quality(rows: Sequence[Row]) -> str:
         parts.append(f"unaccounted energy at most {100 * max(closed):.2g} % of the dissipated")
     held = [r for r in rows if r["preload_mean_n"] is not None]
     if held:
-        off = max(abs(r["preload_mean_n"] / r["preload_n"] - 1) for r in held)
         rms = max(r["preload_rms_deviation_n"] / r["preload_n"] for r in held)
-        parts.append(f"pre-load held to {100 * off:.2g} % in the mean, {100 * rms:.2g} % rms")
+        parts.append(
+            f"pre-load held to {100 * _off(held):.2g} % in the mean, {100 * rms:.2g} % rms"
+        )
     return "\n".join(["of all tests:", *(f"  {part}" for part in parts)])
 
 

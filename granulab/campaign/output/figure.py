@@ -49,6 +49,14 @@ def ruled(axes: "Axes", axis: Literal["x", "y", "both"] = "y") -> None:
     axes.set_axisbelow(True)
 
 
+def entries(panels: "Iterable[Axes]") -> dict[str, Any]:
+    """Handles of all that panels show, by their labels, for one legend."""
+    found: dict[str, Any] = {}
+    for axes in panels:
+        found |= dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+    return found
+
+
 def ticked(
     axes: "Axes", values: Iterable[float], inside: tuple[float, float] | None = None
 ) -> None:

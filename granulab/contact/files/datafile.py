@@ -40,6 +40,14 @@ def data_file(kind: str, name: str) -> Path | None:
     return next((p for p in sorted((data_root() / kind).glob("*.*")) if p.stem == name), None)
 
 
+def shipped_rows(kind: str, name: str) -> list[dict[str, str]]:
+    """Rows of a shipped CSV table of a kind, by the names of its columns, without its remarks."""
+    path = data_file(kind, name)
+    assert path is not None  # shipped
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return list(csv.DictReader(line for line in lines if not line.startswith("#")))
+
+
 def is_file(path: Path) -> bool:
     """True where there is such a file; False also for a name that no file can have."""
     try:

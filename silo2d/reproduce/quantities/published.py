@@ -3,13 +3,12 @@
 Source: Alonso-Marroquin et al., Granular Matter 15 (2013) 811, doi 10.1007/s10035-013-0443-7.
 """
 
-import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from granulab.campaign.output.layout import Row, done
 from granulab.campaign.output.statistics import CONFIDENCE, Counts, Sample, chance_of_shares
-from granulab.contact.files.datafile import data_file
+from granulab.contact.files.datafile import shipped_rows
 from silo2d.run.numbers import published_times
 
 ROUNDING = 0.01  # [s] of all printed times
@@ -48,9 +47,6 @@ def trials(silo: str) -> Trials:
 
 def sensitivity() -> list[Point]:
     """Tables 7 to 11, the first kn being 6.25e2 N/mm."""
-    path = data_file("published", "silo_sensitivity")
-    assert path is not None  # shipped
-    lines = path.read_text(encoding="utf-8").splitlines()
     return [
         Point(
             row["parameter"],
@@ -59,7 +55,7 @@ def sensitivity() -> list[Point]:
             float(row["restitution"]) if row["restitution"] else None,
             float(row["time_s"]),
         )
-        for row in csv.DictReader(line for line in lines if not line.startswith("#"))
+        for row in shipped_rows("published", "silo_sensitivity")
     ]
 
 

@@ -17,7 +17,7 @@ from granulab.contact.hertz import HertzLaw, damping_of_impact
 from granulab.contact.material import Material
 from granulab.contact.mindlin_deresiewicz import N_SPRINGS
 from granulab.contact.reduced import reduced_mass, reduced_radius, sphere_mass
-from granulab.contact.restitution import ContactEnd, ratio_of_restitution
+from granulab.contact.restitution import ContactEnd, ratio_of_restitution, restitution_of_ratio
 from granulab.contact.sphere_law import damping_ratio, sphere_law
 from granulab.errors import InputError
 
@@ -72,7 +72,7 @@ class Impact:
     @property
     def law(self) -> HertzLaw:
         """The law of this pair; InputError where a material lacks a constant."""
-        law = sphere_law(
+        return sphere_law(
             self.first,
             self.second,
             friction=self.friction,
@@ -82,9 +82,6 @@ class Impact:
             tangential_damping=self.tangential_damping,
             yielding=self.yielding,
         )
-        if self.damping == "restitution":
-            law = law._replace(damping=ratio_of_restitution(self.restitution, self.end))
-        return law
 
     @property
     def mass(self) -> float:
@@ -180,6 +177,8 @@ def _meeting(impact: Impact, law: HertzLaw) -> Meeting:
     hertz = law.hertz * math.sqrt(radius)
     per_mass = 2.5 / impact.radius**2
     damping = damping_of_impact(law, hertz, mass, impact.speed * math.cos(impact.angle))
+    if impact.damping == "restitution":
+        damping = ratio_of_restitution(restitution_of_ratio(damping), impact.end)
     return Meeting(
         radius=(impact.radius, impact.radius if impact.sphere else 0.0),
         inverse_mass=(inverse, other),

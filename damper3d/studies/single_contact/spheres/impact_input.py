@@ -43,6 +43,11 @@ def impact_of(
                     for key, unit in _NUMBERS.items() if key in texts}  # fmt: skip
     if "radius" in texts:
         fields["radius"] = to_si(texts["radius"], "m", "radius")
+    if "other_spin" in fields and not sphere:
+        raise InputError(
+            f"other_spin = {fields['other_spin']:g} rad/s: against = {against!r} does not rotate; "
+            "leave it out, or give --against sphere"
+        )
     if "angle" in texts:
         fields["angle"] = _angle(texts["angle"])
     fields |= {key: plain_or_unit(texts[key], "1", key) for key in _PURE if key in texts}
