@@ -29,7 +29,7 @@ _TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css",
           ".svg": "image/svg+xml"}  # fmt: skip
 _MOST_JSON = 2**22  # bytes of a request
 # A page of its own origin: it can read nothing of the studio, and fetch nothing.
-_PLAYER = (
+_SANDBOX = (
     "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; "
     "style-src 'unsafe-inline'; img-src data: blob:; frame-ancestors 'self'"
 )
@@ -46,7 +46,8 @@ def studio(desk: Desk) -> Starlette:
             Route("/page/{name}", _page),
             Route("/files/{name:path}", _file(desk), methods=["GET"]),
             Route("/files/{name}", _receive(desk), methods=["PUT"]),
-            Route("/player/{run}", _player(desk)),
+            Route("/player/{run}", _shown(lambda run: desk.runs.player(run), desk)),
+            Route("/answer/{name:path}", _shown(lambda name: desk.measuring.page(name), desk)),
             Route("/frames/{name:path}", _frame(desk)),
             Route("/api/{question}", _answers(desk), methods=["GET", "POST"]),
         ]
@@ -135,17 +136,17 @@ def _receive(desk: Desk) -> Any:
     return _guarded(receive)
 
 
-def _player(desk: Desk) -> Any:
-    """The page that plays a run, for a frame of its own."""
+def _shown(page_of: Callable[..., str], desk: Desk) -> Any:
+    """A page for a frame of its own: that plays a run, or that a question was answered by."""
 
-    async def player(request: Request) -> Response:
+    async def shown(request: Request) -> Response:
         try:
-            page = await run_in_threadpool(desk.runs.player, request.path_params["run"])
+            page = await run_in_threadpool(page_of, **request.path_params)
         except (InputError, FolderError) as error:
             return PlainTextResponse(desk.without_root(str(error)))
-        return HTMLResponse(page, headers={"Content-Security-Policy": _PLAYER})
+        return HTMLResponse(page, headers={"Content-Security-Policy": _SANDBOX})
 
-    return _guarded(player)
+    return _guarded(shown)
 
 
 def _frame(desk: Desk) -> Any:

@@ -39,7 +39,7 @@ class Desk:
 
     @cached_property
     def measuring(self) -> Any:
-        """The measurements and maps that the page starts."""
+        """The measurements and questions that the page starts."""
         from granulab.studio.rooms.measuring import Measuring
 
         return Measuring(self.folder, self.processes)
@@ -60,6 +60,8 @@ class Desk:
             "shapes": partial(drawings.shapes, self.folder),
             "task": self.measuring.form,
             "measured": self.measuring.state,
+            "started": self.measuring.started,
+            "open_own": self.measuring.open,
             "materials": partial(drawings.materials, self.folder),
         }
 
@@ -90,6 +92,7 @@ class Desk:
             "fill": fill,
             "measure": self.measuring.start,
             "end": self.measuring.stop,
+            "keep": self.measuring.keep,
             "begin": self.begin,
             "compare": self.runs.compare,
             "stop": self.runs.stop,

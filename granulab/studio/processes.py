@@ -1,5 +1,6 @@
 """Commands that the page started: their words while they go on, stopping them, their ends."""
 
+import gc
 import json
 import multiprocessing
 import os
@@ -192,6 +193,10 @@ class Beside:
         if self._pool is not None:
             self._pool.terminate()
             self._pool.join()
+            self._pool = None
+            # its semaphores go with its last reference, and a signal ends the server before Python
+            # would look for cycles
+            gc.collect()
 
 
 def _deaf() -> None:

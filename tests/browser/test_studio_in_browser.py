@@ -191,17 +191,84 @@ def test_a_film_is_measured_in_a_region_and_its_value_written(studio, opened):
     expect(page.locator(".refused")).to_contain_text("such as pair.wood-steel")
 
 
-def test_a_map_is_computed_and_shown(studio, opened):
+def asked(page, question):
+    """Choose a question in its room."""
+    page.get_by_role("tab", name="Questions").click()
+    page.get_by_label("Question").select_option(label=question)
+
+
+def test_a_map_says_its_cost_is_computed_and_seen_again_by_a_page_that_was_reloaded(studio, opened):
     page = opened(studio.address)
-    page.get_by_role("tab", name="Map").click()
+    asked(page, "Efficiency over frequency and amplitude")
     page.get_by_label("frequencies").fill("40")
     page.get_by_label("gammas").fill("10,20")
-    page.locator("summary", has_text="Changes of the case").click()
+    page.locator("summary", has_text="changes of the case").click()
     for name, value in (("count", "20"), ("cycles", "2"), ("discard", "1")):
         page.get_by_label(name, exact=True).fill(value)
-    page.get_by_role("button", name="Map").click()
-    expect(page.locator(".fine")).to_contain_text("2 of 2 runs", timeout=180_000)
-    expect(page.locator(".figures img")).to_be_visible()
+    page.get_by_role("button", name="What will it take?").click()
+    expect(page.locator(".answer")).to_contain_text("2 runs, 0 of them finished", timeout=60_000)
+    page.get_by_role("button", name="Start").click()
+    expect(page.get_by_role("button", name="Stop")).to_be_visible(timeout=60_000)
+    page.reload()
+    asked(page, "Efficiency over frequency and amplitude")
+    expect(page.get_by_label("gammas")).to_have_value("10,20")
+    expect(page.locator(".figures img").first).to_be_visible(timeout=300_000)
+    expect(page.locator(".answer")).to_contain_text("2 done, 0 failed")
+    page.locator("summary", has_text="Started before").click()
+    page.get_by_role("button", name="--dry-run").click()
+    expect(page.locator(".answer")).to_contain_text("0 of them finished")
+
+
+def test_a_load_is_answered_by_its_own_page_in_a_frame(studio, opened):
+    page = opened(studio.address)
+    asked(page, "What load is on the wall?")
+    page.get_by_label("height [m]").fill("7")
+    page.get_by_role("button", name="Start").click()
+    expect(page.locator(".refused")).to_contain_text("silo.toml: [silo] height")
+    page.get_by_label("height [m]").fill("7 m")
+    page.get_by_role("button", name="Start").click()
+    expect(page.locator(".answer")).to_contain_text("walls 7 m high", timeout=60_000)
+    expect(page.frame_locator("iframe").locator("h1")).to_contain_text("Loads on silo")
+    assert tomllib.loads((studio.folder / "silo.toml").read_text())["silo"]["height"] == "7 m"
+
+
+def test_an_answer_that_is_lost_is_asked_for_again(studio, opened):
+    page, lost = opened(studio.address), []
+
+    def lose(route):
+        if lost:
+            route.continue_()
+        else:
+            lost.append(route)
+            route.fulfill(json={"refusal": "lost on its way"})
+
+    page.route("**/api/measured*", lose)
+    asked(page, "At which amplitude is a damper best?")
+    page.get_by_role("button", name="Start").click()
+    expect(page.locator(".refused")).to_have_text("lost on its way")
+    expect(page.locator(".answer")).to_contain_text("clearance", timeout=60_000)
+    expect(page.locator(".refused")).to_have_count(0)
+
+
+def test_a_list_that_gets_focus_has_the_files_that_came_meanwhile(studio, opened):
+    page = opened(studio.address)
+    page.get_by_role("tab", name="Laboratory").click()
+    files = page.get_by_label("Files in the folder")
+    expect(files).to_be_visible()
+    (studio.folder / "late.csv").write_text("a,b\n1,2\n")
+    files.focus()
+    expect(files.locator("option[value='late.csv']")).to_have_count(1)
+    asked(page, "Which outlet is safe?")
+    cases = page.get_by_label("Case of the question")
+    expect(cases).to_have_value("A3")
+    (studio.folder / "late.toml").write_text('schema = 1\n[silo]\npreset = "A4"\n')
+    cases.focus()
+    expect(cases.locator("option[value='late.toml']")).to_have_count(1)
+    expect(cases).to_have_value("A3")
+    page.get_by_role("tab", name="Laboratory").click()
+    page.locator("summary", has_text="Write the value").click()
+    page.get_by_label("into").focus()
+    expect(page.locator("datalist option[value='late.toml']")).to_have_count(1)
 
 
 NAMELESS = """
@@ -245,9 +312,14 @@ def test_a_table_is_dropped_and_what_is_no_film_refused(studio, opened):
     expect(page.locator(".drop")).to_be_visible()
     page.evaluate(DROPPED)
     expect(page.locator(".refused")).to_contain_text("film.mp4: its content is no MP4 file")
-    expect(page.locator(".lab .list")).to_contain_text("drops.csv")
+    expect(page.locator(".lab .list").first).to_contain_text("drops.csv")
     page.get_by_role("button", name="Measure", exact=True).click()
     expect(page.locator(".answer")).to_contain_text("0.7501", timeout=60_000)
+    page.get_by_label("Measurement").select_option("calibrate incline")
+    expect(page.locator(".answer")).to_have_count(0)
+    page.get_by_label("Measurement").select_option("calibrate heights")
+    expect(page.locator(".answer")).to_contain_text("0.7501")
+    expect(page.locator(".lab .list").first).to_contain_text("drops.csv")
 
 
 def test_a_form_that_comes_late_does_not_replace_the_chosen_one(studio, opened):
@@ -268,7 +340,7 @@ def test_a_form_that_comes_late_does_not_replace_the_chosen_one(studio, opened):
     expect(page.locator(".lab .quiet").first).to_contain_text("heights")
 
 
-@pytest.mark.parametrize("room", ["Silo", "Damper", "Map", "Laboratory", "Runs"])
+@pytest.mark.parametrize("room", ["Silo", "Damper", "Questions", "Laboratory", "Runs"])
 def test_every_room_fits_a_telephone_light_and_dark(studio, opened, room):
     """At 360 px nothing sticks out to the side; every control has a name."""
     for scheme in ("light", "dark"):

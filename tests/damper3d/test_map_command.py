@@ -108,6 +108,7 @@ def test_dry_run_says_how_many_runs_and_writes_nothing(damper3d, tmp_path):
     [
         (["map", "--gammas", "1,0"], "gammas: 0: must be above 0"),
         (["map", "--frequencies", ""], "frequencies: empty"),
+        (["map", "--frequencies", "40,,80"], "write numbers with commas"),
         (["map", "--packings", "0"], "packings = 0"),
         (["map", "--frequency", "40"], "give --frequencies"),
         (["map", "--rank-by", "efficency"], "did you mean 'efficiency'"),

@@ -57,6 +57,16 @@ def test_a_steady_run_is_judged_when_its_start_is_forgotten(tmp_path):
     assert (given.settings.run.cycles, given.settings.run.discard) == (4, 2)
 
 
+def test_a_host_s_response_says_its_cost_and_its_map_is_refused(tmp_path):
+    """A map sets the motion that a host would find; the refusal names the command to give."""
+    path, out = write_damper(tmp_path, FORCED), tmp_path / "runs"
+    said = respond(path, out, "--simulate", "--frequencies", "70,80", "--dry-run")
+    assert said.out.startswith("2 runs of 1 packings, about "), said.err
+    assert not out.exists()
+    mapped = damper3d("map", path, "--frequencies", "70", "--gammas", "5", "--out", out)
+    assert_refused(mapped, "has a [host]", f"damper3d response {path} --simulate")
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -31,13 +31,14 @@ if TYPE_CHECKING:
 @click.option("--frequencies", metavar="38,40,42", help="In Hz, of --simulate.")
 @device_options
 @out_option
+@click.option("--dry-run", is_flag=True, help="Say what --simulate would run, and end.")
 @click.option("--no-figures", is_flag=True, help="Make no picture.")
 @quiet_option
 @json_option
 def response(
     host: str, tables: tuple[str, ...], levels: str | None, between: str | None, simulate: bool,
     frequencies: str | None, workers: int | None, engine: str, scheduler: str | None, out: str,
-    no_figures: bool, quiet: bool, as_json: bool,
+    dry_run: bool, no_figures: bool, quiet: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Find the response of a structure with a bed, from the bed's field or by simulations.
 
@@ -62,6 +63,10 @@ def response(
     beds = _Beds(structures_of(case), case.dampers or (case,), case.number, quiet)
     of_each = tables_of(tables, list(beds.structures)) if tables else {}
     wanted = rising("levels", numbers("--levels", levels, (1.0,)))
+    at = rising("--frequencies", numbers("--frequencies", frequencies, ())) if simulate else ()
+    if dry_run:
+        click.echo(_cost(host, wanted, at))
+        return
     refuse_unless_writable(Path(out), "--out")
     with writing(Path(out)):
         Path(out).mkdir(parents=True, exist_ok=True)
@@ -76,7 +81,6 @@ def response(
         results |= balanced
         words.append(said)
     if simulate:
-        at = rising("--frequencies", numbers("--frequencies", frequencies, ()))
         engines = {"engine": engine, "workers": workers, "scheduler": scheduler, "quiet": quiet}
         rows, found, said = _simulated(beds, host, wanted, at, path, engines)
         results |= {"simulated": found, "simulated_table": str(_beside(path))}
@@ -91,6 +95,17 @@ def response(
 
         click.echo(write_figure(picture, drawn), err=True)
     stop_unless_whole(rows)
+
+
+def _cost(host: str, levels: Sequence[float], frequencies: Sequence[float]) -> str:
+    """The runs of --simulate and their cost, in words."""
+    from damper3d.run.sweep import DAMPER
+    from damper3d.studies.field.simulated import response_cases
+    from granulab.campaign.sweeps.overview import cost
+
+    if not frequencies:
+        return "the harmonic balance runs nothing; some seconds"
+    return cost(DAMPER, response_cases(host, levels, frequencies))
 
 
 class _Beds(NamedTuple):

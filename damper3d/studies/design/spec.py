@@ -105,7 +105,7 @@ class Spec(Section):
     search: SearchKeys = SearchKeys()
 
 
-_FILE = casefile.CaseFile(Spec, SCHEMA, "[structure] mass, frequency, damping_ratio, [space]")
+FILE = casefile.CaseFile(Spec, SCHEMA, "[structure] mass, frequency, damping_ratio, [space]")
 
 
 @dataclass(frozen=True)
@@ -187,7 +187,7 @@ class Task:
 def read_spec(path: str | Path) -> Task:
     """A task from a TOML file; InputError, one line, where it cannot be."""
     path = Path(path)
-    spec = _FILE.check(_FILE.read(path), str(path))
+    spec = FILE.check(FILE.read(path), str(path))
     level = spec.level
     if (level.acceleration is None) == (level.force is None):
         both = "are both given; leave one out" if level.force else "are missing; give one of them"

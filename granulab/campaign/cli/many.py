@@ -133,7 +133,7 @@ def numbers(option: str, text: str | None, default: Sequence[float]) -> tuple[fl
     from granulab.errors import InputError
 
     try:
-        return tuple(float(word) for word in text.split(",") if word.strip())
+        return tuple(map(float, text.split(","))) if text.strip() else ()
     except ValueError:
         cure = "write numbers with commas, such as 20,40,80"
         raise InputError(f"{option} {text!r}: {cure}") from None

@@ -2,7 +2,7 @@
 
 import { address, ask, send } from "./api.js";
 import { choices, h, note, put, refusal } from "./dom.js";
-import { Task } from "./task.js";
+import { fresh, kept, Task } from "./task.js";
 
 const FILM = /\.(mp4|m4v|mov|avi|mkv|webm|png|jpe?g|tiff?|bmp|webp)$/i;
 const WRITES = ["into", "pair", "material"];
@@ -15,7 +15,8 @@ export function labRoom(start) {
   const left = h("section");
   const right = h("section");
   const files = h("ul", { class: "list" });
-  const known = choices(h("select", { "aria-label": "Files in the folder" }), []);
+  const known = kept(h("select", { "aria-label": "Files in the folder" }), start, refreshFiles);
+  const materials = h("datalist", { id: "own-materials" });
   let chosen = [];
   let task = null;
   let region = null;
@@ -25,6 +26,7 @@ export function labRoom(start) {
     const groups = [["", [["", "a file in the folder"]]], ["Films", film], ["Tables and signals",
       [...text.filter((name) => /\.(csv|txt|tsv)$/i.test(name)), ...data]], ["Pictures", picture]];
     choices(known, groups);
+    put(materials, text.filter((name) => name.endsWith(".toml")).map((name) => h("option", { value: name })));
   }
   function refresh() {
     put(files, chosen.map((name) => h("li", {}, h("span", {}, name, " "),
@@ -42,14 +44,16 @@ export function labRoom(start) {
         put(task.said, refusal(error.message));
       }
     }
-    start.files = await ask("files");
-    refreshFiles();
+    await fresh(start, refreshFiles);
     refresh();
   }
   async function choose(name) {
     const form = await ask("task", { task: name });
     if (name !== which.value) return; // another was chosen while this one's form was on its way
+    task?.leave();
     task = new Task(name, form, () => chosen);
+    task.done = () => fresh(start, refreshFiles);
+    task.asked = (one) => { chosen = [...one.files]; refresh(); };
     region = new Region((text) => { task.inputs.get("roi").value = text; });
     const measure = h("button", { class: "main", onclick: () => task.start(withoutWriting()) }, "Measure");
     const fields = task.fields((option) => !WRITES.includes(option));
@@ -60,6 +64,7 @@ export function labRoom(start) {
       others.length ? h("details", {}, h("summary", {}, "Other options"), others) : null, writing(form));
     put(right, region.element, task.output());
     refresh();
+    task.attach((one) => !chosen.length || one.files.join("/") === chosen.join("/"));
   }
   function withoutWriting() {
     return Object.fromEntries(WRITES.filter((name) => task.inputs.has(name)).map((name) => [name, ""]));
@@ -67,10 +72,8 @@ export function labRoom(start) {
   function writing(form) {
     const fields = task.fields((option) => WRITES.includes(option));
     if (!fields.length || !form.options.some((option) => option.name === "into")) return null;
-    const materials = start.files.text.filter((name) => name.endsWith(".toml"));
-    const list = h("datalist", { id: "own-materials" }, materials.map((name) => h("option", { value: name })));
-    task.inputs.get("into").setAttribute("list", "own-materials");
-    return h("details", {}, h("summary", {}, "Write the value into a materials file"), fields, list,
+    kept(task.inputs.get("into"), start, refreshFiles).setAttribute("list", "own-materials");
+    return h("details", {}, h("summary", {}, "Write the value into a materials file"), fields, materials,
       h("div", { class: "buttons" }, h("button", { onclick: () => task.start() }, "Measure and write")));
   }
 

@@ -4,7 +4,7 @@ import { ask } from "./api.js";
 import { h, put, refusal } from "./dom.js";
 import { damperRoom } from "./damper.js";
 import { labRoom } from "./lab.js";
-import { mapRoom } from "./map.js";
+import { questionsRoom } from "./questions.js";
 import { runsRoom } from "./runs.js";
 import { siloRoom } from "./silo.js";
 
@@ -31,7 +31,7 @@ async function begin() {
   const rooms = {
     silo: ["Silo", () => siloRoom(start, watch)],
     damper: ["Damper", () => damperRoom(start, watch)],
-    map: ["Map", () => mapRoom(start)],
+    questions: ["Questions", () => questionsRoom(start)],
     lab: ["Laboratory", () => labRoom(start)],
     runs: ["Runs", (run) => runsRoom(start, run, openCase, (chosen) => place("runs", chosen))],
   };
