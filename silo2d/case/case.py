@@ -65,6 +65,7 @@ class SiloCase:
     length: float = math.nan  # of the prisms [m]
     derived: tuple[Derived | None, Derived | None] = (None, None)  # see with_elastic
     solids: Solids | None = None  # None: of no materials file
+    parts: tuple[str, ...] = ()  # names of its shapes, unless these are shipped
 
     @classmethod
     def load(cls, name_or_path: str | Path, changes: dict[str, Any] | None = None) -> "SiloCase":
@@ -147,6 +148,7 @@ class SiloCase:
                 settings, pairs, laws, shapes, math.sqrt(2 * GRAVITY * outline.height), where
             ),
             material.length.value, derived, solids,
+            () if is_shipped(shapes_file, "shapes") else shapes.parts,
         )  # fmt: skip
 
     @property
@@ -276,15 +278,13 @@ class SiloCase:
 
     def identity(self) -> dict[str, Any]:
         """Identity of a run, which names its folder: all that its results depend on."""
-        parts = list(self.shapes.parts)
-        numbered = len(set(parts)) == 1 or parts == [str(k + 1) for k in range(len(parts))]
         return {
             "settings": _acting(self.settings),
             **({"disorder": self.disorder} if self.disorder else {}),
             "polygon": self.outline.polygon,
             "outlet": [self.outline.outlet, self.outline.outlet_centre],
             "shapes": shapes_identity(self.shapes),
-            **({} if numbered else {"parts": parts}),
+            **({"parts": list(self.parts)} if len(set(self.parts)) > 1 else {}),
             "surface_density": self.surface_density,
             **({"length": self.length} if abs(self.length - _USUAL_LENGTH) > 1e-9 else {}),
             "laws": [law_identity(self.particle_law), law_identity(self.wall_law)],

@@ -273,7 +273,12 @@ def test_shapes_and_materials_count_by_their_numbers_not_by_their_files(tmp_path
         run_name, packing = digests(**other)
         assert run_name != run_digest(a4())
         assert packing == packing_of(a4())
-    assert run_digest(a4()) == "96c901ed5322"
+
+
+def test_shipped_cases_are_named_as_they_were():
+    """Folders of earlier versions are found again."""
+    for name, digest in (("A4", "96c901ed5322"), ("beverloo", "e5082fd25b3f")):
+        assert run_digest(SiloCase.load(name)) == digest
 
 
 # The case as a file
