@@ -18,7 +18,6 @@ from granulab.campaign.cli.commandline import (
 from granulab.campaign.cli.many import numbers, rank_by_option, sketched, stop_unless_whole
 
 if TYPE_CHECKING:
-    from damper3d.case.case import DamperCase
     from damper3d.studies.map.grid import Grid
     from damper3d.studies.predict.prediction import Prediction
     from granulab.campaign.sweeps.report.quantities import Quantities
@@ -64,7 +63,6 @@ def map_(
 
     name, changes = case or "thesis", changes_of(material, options)
     loaded = DamperCase.load(name, changes)
-    _refuse_host(loaded, name)
     prediction = predict(loaded, needed=False)  # onsets are drawn where they are known
     quantities = ranked_by(DAMPER.quantities, rank_by)
     grid = Grid(
@@ -80,19 +78,6 @@ def map_(
         return
     engines = {"engine": engine, "workers": workers, "scheduler": scheduler, "quiet": quiet}
     _map(prediction, (name, changes, grid), quantities, Path(out), no_figures, as_json, engines)
-
-
-def _refuse_host(case: "DamperCase", name: str) -> None:
-    """InputError for a case whose motion follows from its host."""
-    from granulab.campaign.output.files import in_shell
-    from granulab.errors import InputError
-
-    if case.modes is not None:
-        respond = f"damper3d response {in_shell(name)} --simulate --frequencies 38,40,42"
-        raise InputError(
-            f"{name}: has a [host], so that its motion is found, and a map is over given "
-            f"motions; leave [host] out, or give: {respond}"
-        )
 
 
 def _map(

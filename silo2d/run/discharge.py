@@ -131,7 +131,6 @@ def _look(
     sim: Simulation, case: SiloCase, packing: Packing, clock: Clock, acts: Acts
 ) -> str | None:
     """The outcome, once there is one. Raises SimulationError where the energy balance is off."""
-    check_rim(sim, case)
     # Nothing is at rest while the door is closed, however slow the particles are.
     moving = math.inf if acts.closed(sim.steps) else motion(sim, case)
     outcome = ending(sim, moving, case, packing, clock)
@@ -141,6 +140,7 @@ def _look(
     # While next to nothing is dissipated, a part of what there is to dissipate is the measure;
     # at the end nothing but rounding counts beside it.
     check_energy_balance(sim, case, clock, _ROUNDING if outcome else _NEXT_TO_NOTHING)
+    check_rim(sim, case)  # after that, as a simulation that fails throws particles, too
     return outcome
 
 

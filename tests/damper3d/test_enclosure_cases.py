@@ -179,7 +179,7 @@ REFUSED = [
     # walls
     ("sphere", {"walls": {"bottom": "acrylic"}}, ["'bottom'", "known: shell"]),
     ("sphere", {"walls": {"shell": "steel"}}, ["no material 'steel'"]),
-    ("sphere", {"walls": {"shell": 3}}, ["walls", "string"]),
+    ("sphere", {"walls": {"shell": 3}}, ["walls", "must be a text"]),
     # a cavity
     ("cavity", {"unit": "mm"}, ["file is missing"]),
     ("cavity", {"file": "box.stl"}, ["unit is missing"]),

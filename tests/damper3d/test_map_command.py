@@ -92,6 +92,7 @@ def test_runs_over_frequency_and_gamma_refuse_what_else_moves_the_enclosure(
     code, out, err = damper3d(name, str(file), *more, "--no-figures")
     assert (code, out) == (2, "")
     assert f"give a case without [{section}]" in err
+    assert ("damper3d response" in err) == (of == "host")
 
 
 def test_dry_run_says_how_many_runs_and_writes_nothing(damper3d, tmp_path):

@@ -393,7 +393,7 @@ def test_a_case_gives_pymunk_the_pairs():
     [
         (["--engine", "bullet"], ["engine", "'bullet'", "'dem' or 'pymunk'"]),
         (["--engine", "pymunk", "--iterations", "0"], ["iterations = 0", "1"]),
-        (["--engine", "pymunk", "--iterations", "many"], ["iterations", "'many'", "integer"]),
+        (["--engine", "pymunk", "--iterations", "many"], ["iterations", "'many'", "whole number"]),
         (["--engine", "pymunk", "--pymunk-time-step", "2 ms"],
          ["[pymunk] time_step = 2 ms", "1.3 m/s", "at most 2"]),
         (["--engine", "pymunk", "--disorder", "pair", "--time-step", "1 us"],

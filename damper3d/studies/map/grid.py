@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from damper3d.case.case import DamperCase
 from damper3d.run.sweep import run_cases
 from damper3d.studies.map.peaks import Peak, between, find_peaks
+from granulab.campaign.output.files import in_shell
 from granulab.campaign.output.layout import stopped
 from granulab.campaign.output.statistics import half_width_of_mean, mean_sd
 from granulab.campaign.sweeps.sweep import Labelled, over_seeds, refuse_interrupted
@@ -253,9 +254,13 @@ def map_cases(
     own = DamperCase.load(name_or_path, changes)
     moved = "host" if own.modes is not None else "excitation" if own.excitation is not None else ""
     if moved:
+        respond = (
+            f"damper3d response {in_shell(str(name_or_path))} --simulate --frequencies 38,40,42"
+        )
         raise InputError(
             f"{name_or_path}: [{moved}] moves the enclosure, and runs over frequency and Gamma are "
             f"of a prescribed sine; give a case without [{moved}]"
+            + (f", or ask for its response: {respond}" if moved == "host" else "")
         )
     cases: list[Labelled] = []
     for frequency, gamma in grid.points if points is None else points:

@@ -295,7 +295,7 @@ _MUST = {
 
 
 def _must_be(problem: Any, tables: dict[str, type[Section]], path: list[str]) -> str:
-    """What a value must be, with the example of its key."""
+    """Words on what a value must be, with the example of its key."""
     first, _, rest = problem["type"].partition("_")
     if first not in _MUST or rest not in ("type", "parsing", "from_float"):
         return str(problem["msg"]).lower().removeprefix("input should be ")

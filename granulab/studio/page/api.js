@@ -23,6 +23,12 @@ export async function send(file) {
   return (await answer(sent)).name;
 }
 
+/** Calls refill with the folder's files as they are now. */
+export async function fresh(start, refill) {
+  start.files = await ask("files").catch(() => start.files);
+  refill();
+}
+
 /** Address of a file of the folder. */
 export function address(name) {
   return `files/${name.split("/").map(encodeURIComponent).join("/")}`;

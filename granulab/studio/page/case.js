@@ -1,6 +1,6 @@
 // A case of a simulator: its name, its form, what the server says of it; saved, opened, run.
 
-import { ask, order } from "./api.js";
+import { ask, fresh, order } from "./api.js";
 import { choices, confirmed, h, note, put, refusal } from "./dom.js";
 import { Form } from "./form.js";
 
@@ -57,9 +57,8 @@ export class Case {
   }
 
   /** Lists the files of the folder again: others may have come. */
-  async lookAgain() {
-    this.start.files = await ask("files").catch(() => this.start.files);
-    this.refreshList();
+  lookAgain() {
+    return fresh(this.start, () => this.refreshList());
   }
 
   texts() {

@@ -1,8 +1,8 @@
 // The laboratory: a film or table dropped on the page, measured, its value written into a file.
 
-import { address, ask, send } from "./api.js";
+import { address, ask, fresh, send } from "./api.js";
 import { choices, h, note, put, refusal } from "./dom.js";
-import { fresh, kept, Task } from "./task.js";
+import { kept, Task } from "./task.js";
 
 const FILM = /\.(mp4|m4v|mov|avi|mkv|webm|png|jpe?g|tiff?|bmp|webp)$/i;
 const WRITES = ["into", "pair", "material"];

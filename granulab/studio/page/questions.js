@@ -1,9 +1,9 @@
 // Questions that a command answers: which damper, which outlet, what load; each with its inputs.
 
-import { ask, order } from "./api.js";
+import { ask, fresh, order } from "./api.js";
 import { choices, confirmed, h, note, put, refusal } from "./dom.js";
 import { Form } from "./form.js";
-import { fresh, kept, Task } from "./task.js";
+import { kept, Task } from "./task.js";
 
 /** Questions: the command of each, its first options with what they begin with, and its file.
  *

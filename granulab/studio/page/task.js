@@ -1,6 +1,6 @@
 // A command as a form: its options, running it, its words, answer and figures; what was started.
 
-import { address, ask, order } from "./api.js";
+import { address, ask, fresh, order } from "./api.js";
 import { h, put, refusal } from "./dom.js";
 import { pictures } from "./runs.js";
 
@@ -148,10 +148,4 @@ export function kept(list, start, refill) {
     refill();
   }));
   return list;
-}
-
-/** Calls refill with the folder's files as they are now. */
-export async function fresh(start, refill) {
-  start.files = await ask("files").catch(() => start.files);
-  refill();
 }
