@@ -18,6 +18,7 @@ export function labRoom(start) {
   const known = kept(h("select", { "aria-label": "Files in the folder" }), start, refreshFiles);
   const materials = h("datalist", { id: "own-materials" });
   let chosen = [];
+  let attached = null; // files of an earlier answer, which another measurement does not take over
   let task = null;
   let region = null;
 
@@ -38,7 +39,7 @@ export function labRoom(start) {
     for (const file of list) {
       try {
         const name = await send(file);
-        if (!chosen.includes(name)) chosen.push(name);
+        if (!chosen.includes(name)) chosen = [...chosen, name];
         note(`${name} is in the folder`);
       } catch (error) {
         put(task.said, refusal(error.message));
@@ -53,7 +54,8 @@ export function labRoom(start) {
     task?.leave();
     task = new Task(name, form, () => chosen);
     task.done = () => fresh(start, refreshFiles);
-    task.asked = (one) => { chosen = [...one.files]; refresh(); };
+    if (chosen === attached) chosen = [];
+    task.asked = (one) => { attached = chosen = [...one.files]; refresh(); };
     region = new Region((text) => { task.inputs.get("roi").value = text; });
     const measure = h("button", { class: "main", onclick: () => task.start(withoutWriting()) }, "Measure");
     const fields = task.fields((option) => !WRITES.includes(option));
@@ -78,7 +80,7 @@ export function labRoom(start) {
   }
 
   known.addEventListener("change", () => {
-    if (known.value && !chosen.includes(known.value)) chosen.push(known.value);
+    if (known.value && !chosen.includes(known.value)) chosen = [...chosen, known.value];
     known.value = "";
     refresh();
   });
