@@ -254,7 +254,7 @@ def _show(
         stop_unless_whole(rows)
     silo = case.silo
     found = {
-        "silo": silo.label,
+        "silo": silo.name,
         "shapes": silo.shapes.name,
         "protocol": dataclasses.asdict(case.protocol),
         "rest_time_s": silo.settings.run.rest_time,
