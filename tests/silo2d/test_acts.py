@@ -304,8 +304,12 @@ WINDOW = [[[150, 200], [150, 270]]]
         ({"silo.outlets": WINDOW}, (0.2, 0.4, 0.0), True),
     ],
 )
-def test_a_particle_that_left_over_the_rim_is_not_discharged(changes, pose, thrown):
-    """It ends the run at the next look, long before it has fallen to y = 0."""
+def test_a_particle_that_left_over_the_rim_is_not_discharged(changes, pose, thrown, monkeypatch):
+    """It ends the run at the next look, long before it has fallen to y = 0.
+
+    Its height is from nowhere here, which another check of a look would find first.
+    """
+    monkeypatch.setattr(discharge, "check_energy_balance", lambda *_: None)
     case, sim, acts = opened(changes, pose)
     if not thrown:
         check_rim(sim, case)
