@@ -231,8 +231,8 @@ def test_a_run_on_a_host_stopped_many_times_ends_with_the_same_bits(tmp_path, mo
     assert stops > 3
     assert_same_run(the_run(tmp_path / "parts"), the_run(tmp_path / "whole"))
     assert result.host["reduction"] < 1
-    # 30 of the 57 cycles that it takes: None where the amplitude of the last ten cycles keeps, which
-    # hangs on how the processor rounds.
+    # 30 of the 57 cycles that it takes: None where the last ten keep the amplitude, which hangs on
+    # how the processor rounds.
     assert not result.steady
     assert abs(result.host["energy_closure"]) < 2e-2  # steps of 5 us on soft spheres
     # Gamma of what the enclosure does, not of the bare host.
