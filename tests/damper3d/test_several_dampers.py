@@ -17,7 +17,7 @@ from damper3d.run.sweep import load_study
 from damper3d.view.scene import read_scene
 from granulab.campaign.runs.folder import RunFolder
 from granulab.campaign.runs.trajectory import read_trajectory
-from granulab.errors import Stopped
+from granulab.errors import InputError, Stopped
 
 MODES = """\
 frequency [Hz],damping_ratio,shape_tip [kg^-0.5],shape_middle [kg^-0.5],force_shape [kg^-0.5]
@@ -191,6 +191,12 @@ def test_a_seed_is_that_of_all_dampers_of_a_run(tmp_path):
     assert (
         DamperCase.resolve(written({}, None), "one", tmp_path).with_seed(4).settings.run.seed == 4
     )
+
+
+@pytest.mark.parametrize("given", [3, {"at": "tip"}])
+def test_dampers_that_are_no_list_are_refused(given, tmp_path):
+    with pytest.raises(InputError, match="several: damper = .*: must be a list, in brackets"):
+        DamperCase.resolve({"damper": given}, "several", tmp_path)
 
 
 def study(folder, *vary):

@@ -299,7 +299,8 @@ def _must_be(problem: Any, tables: dict[str, type[Section]], path: list[str]) ->
     first, _, rest = problem["type"].partition("_")
     if first not in _MUST or rest not in ("type", "parsing", "from_float"):
         return str(problem["msg"]).lower().removeprefix("input should be ")
-    field = tables[path[0]].model_fields.get(path[1]) if path[0] in tables else None
+    section = tables.get(path[0]) if len(path) > 1 else None
+    field = section.model_fields.get(path[1]) if section else None
     examples = field.examples if field else None
     such = f", such as {path[1]} = {toml_value(examples[0])}" if examples else ""
     return _MUST[first] + such
