@@ -195,7 +195,7 @@ def test_a_seed_is_that_of_all_dampers_of_a_run(tmp_path):
 
 @pytest.mark.parametrize("given", [3, {"at": "tip"}])
 def test_dampers_that_are_no_list_are_refused(given, tmp_path):
-    with pytest.raises(InputError, match="several: damper = .*: must be a list, in brackets"):
+    with pytest.raises(InputError, match=r"several: damper = .*: must be a list, in brackets"):
         DamperCase.resolve({"damper": given}, "several", tmp_path)
 
 
