@@ -2,7 +2,7 @@
 
 import os
 import secrets
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -46,18 +46,20 @@ class Folder:
             raise InputError(f"{name}: no such file in {self.root}")
         return path
 
-    def refuse_outside(self, text: str, where: str) -> None:
-        """Raise InputError for a text that names a file outside of the folder, if it is a name.
+    def refuse_outside(self, value: Any, where: str) -> None:
+        """Raise InputError for a text, or any in tables and lists, that names a file outside.
 
         "10 N/mm" and "mesh:rock.stl" are none, or lead nowhere else.
         """
-        for name in (text, text.partition(":")[2]):
-            try:
-                outside = "\0" in name or not (self.root / name).resolve().is_relative_to(self.root)
-            except (OSError, ValueError):
-                outside = True
-            if outside:
-                raise InputError(f"{where} = {text!r}: not within the folder of the studio")
+        for text in _texts_in(value):
+            for name in (text, text.partition(":")[2]):
+                try:
+                    path = (self.root / name).resolve()
+                    outside = "\0" in name or not path.is_relative_to(self.root)
+                except (OSError, ValueError):
+                    outside = True
+                if outside:
+                    raise InputError(f"{where} = {text!r}: not within the folder of the studio")
 
     def files(self, kind: str) -> list[str]:
         """Names of the files of a kind ("picture", "film", "data", "text") in the folder itself."""
@@ -102,6 +104,15 @@ class Folder:
             return target.name
         finally:
             part.unlink(missing_ok=True)
+
+
+def _texts_in(value: Any) -> Iterator[str]:
+    """All texts in tables and lists."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Mapping | list):
+        for inner in value.values() if isinstance(value, Mapping) else value:
+            yield from _texts_in(inner)
 
 
 def _checked(name: str) -> str:

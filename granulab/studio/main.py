@@ -5,8 +5,7 @@ from pathlib import Path
 
 import click
 
-from granulab.campaign.cli.commandline import out_option, run_app
-from granulab.campaign.cli.library import all_option
+from granulab.campaign.cli.commandline import all_option, out_option, run_app
 
 _PACKAGES = {"silo2d": "silo2d", "damper3d": "damper3d", "calibrate": "calibration"}  # by command
 _WITH_RUNS = ("silo2d", "damper3d")

@@ -29,6 +29,11 @@ export async function fresh(start, refill) {
   refill();
 }
 
+/** Files of the folder that are TOML: cases, shapes, materials, studies. */
+export function documents(start) {
+  return start.files.text.filter((name) => name.endsWith(".toml"));
+}
+
 /** Address of a file of the folder. */
 export function address(name) {
   return `files/${name.split("/").map(encodeURIComponent).join("/")}`;

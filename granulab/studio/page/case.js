@@ -1,6 +1,6 @@
 // A case of a simulator: its name, its form, what the server says of it; saved, opened, run.
 
-import { ask, fresh, order } from "./api.js";
+import { ask, documents, fresh, order } from "./api.js";
 import { choices, confirmed, h, note, put, refusal } from "./dom.js";
 import { Form } from "./form.js";
 
@@ -49,7 +49,7 @@ export class Case {
 
   refreshList() {
     const { presets } = this.start.simulators[this.simulator];
-    const files = this.start.files.text.filter((name) => name.endsWith(".toml"));
+    const files = documents(this.start);
     if (String(files) === this.known) return; // an open list stays as it is
     this.known = String(files);
     choices(this.list, [["", [["", "a preset or file"]]], ["In the folder", files], ["Presets", presets]], this.list.value);

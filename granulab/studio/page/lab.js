@@ -1,6 +1,6 @@
 // The laboratory: a film or table dropped on the page, measured, its value written into a file.
 
-import { address, ask, fresh, send } from "./api.js";
+import { address, ask, documents, fresh, send } from "./api.js";
 import { choices, h, note, put, refusal } from "./dom.js";
 import { kept, Task } from "./task.js";
 
@@ -27,7 +27,7 @@ export function labRoom(start) {
     const groups = [["", [["", "a file in the folder"]]], ["Films", film], ["Tables and signals",
       [...text.filter((name) => /\.(csv|txt|tsv)$/i.test(name)), ...data]], ["Pictures", picture]];
     choices(known, groups);
-    put(materials, text.filter((name) => name.endsWith(".toml")).map((name) => h("option", { value: name })));
+    put(materials, documents(start).map((name) => h("option", { value: name })));
   }
   function refresh() {
     put(files, chosen.map((name) => h("li", {}, h("span", {}, name, " "),

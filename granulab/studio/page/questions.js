@@ -1,6 +1,6 @@
 // Questions that a command answers: which damper, which outlet, what load; each with its inputs.
 
-import { ask, fresh, order } from "./api.js";
+import { ask, documents, fresh, order } from "./api.js";
 import { choices, confirmed, h, note, put, refusal } from "./dom.js";
 import { Form } from "./form.js";
 import { kept, Task } from "./task.js";
@@ -98,7 +98,7 @@ class Given {
   }
 
   refill(chosen = this.list.value) {
-    const files = this.start.files.text.filter((name) => name.endsWith(".toml"));
+    const files = documents(this.start);
     choices(this.list, [["", this.shipped.length ? [] : [["", "a case of the folder"]]], ["Presets", this.shipped],
       ["In the folder", files]], chosen);
   }
@@ -136,7 +136,7 @@ class Own {
   }
 
   refill() {
-    const files = this.start.files.text.filter((name) => name.endsWith(".toml"));
+    const files = documents(this.start);
     choices(this.list, [["", [["", "a file of the folder"]]], ["In the folder", files]]);
   }
 

@@ -1,6 +1,6 @@
 // Silos: the outline drawn or imported, particles and materials chosen, what will be poured shown.
 
-import { order, send } from "./api.js";
+import { documents, order, send } from "./api.js";
 import { Case } from "./case.js";
 import { choices, h, note, put, refusal } from "./dom.js";
 import { Outline } from "./outline.js";
@@ -204,7 +204,7 @@ function particlesGroup(one, start) {
   const shapes = h("select", { class: "wide", "aria-label": "Shapes from the catalogue" });
   const tables = h("select", { class: "wide", "aria-label": "Materials tables" });
   one.listed = () => {
-    const own = start.files.text.filter((name) => name.endsWith(".toml"));
+    const own = documents(start);
     choices(shapes, [["", [["", "from the catalogue"]]], ["Shipped", start.shapes], ["In the folder", own]]);
     choices(tables, [["", [["", "from the catalogue"]]], ["Shipped", start.materials], ["In the folder", own]]);
   };

@@ -37,9 +37,7 @@ class OwnFile(NamedTuple):
         """
         tables = document(self.file.settings, texts)
         file = f"{tables.setdefault('name', 'question')}.toml"
-        for table in texts.values():
-            for text in table.values() if isinstance(table, dict) else [table]:
-                folder.refuse_outside(str(text), file)
+        folder.refuse_outside(tables, file)
         self.file.check(tables, file)
         head = _HEAD.format(command=self.command, file=file)
         written = folder.write(file, to_toml(tables, self.file.schema, head), replace)

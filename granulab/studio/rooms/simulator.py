@@ -1,7 +1,7 @@
 """Cases of a simulator on the page: checked, written as TOML, opened; whichever simulator it is."""
 
 import contextlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -89,8 +89,7 @@ class Bench:
         """
         tables = document(self.settings, texts)
         file = f"{tables.setdefault('name', 'case')}.toml"
-        for text in _texts_in(tables):
-            folder.refuse_outside(text, file)
+        folder.refuse_outside(tables, file)
         return tables, file
 
     def written(self, tables: Mapping[str, Any]) -> str:
@@ -130,15 +129,6 @@ class Bench:
         if not folder.write(file, checked["toml"], replace):
             return {"file": file, "exists": True}
         return {"file": file, "exists": False, "run": checked["run"]}
-
-
-def _texts_in(value: Any) -> Iterator[str]:
-    """All texts in tables and lists."""
-    if isinstance(value, str):
-        yield value
-    elif isinstance(value, Mapping | list):
-        for inner in value.values() if isinstance(value, Mapping) else value:
-            yield from _texts_in(inner)
 
 
 def _rows(echo: str) -> list[tuple[str, str]]:
