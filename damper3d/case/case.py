@@ -44,13 +44,13 @@ from damper3d.case.parts import (
     check_enclosure,
     check_protocol,
     count_of,
+    direction_of,
     enclosure_of,
     gravity_of,
     mesh_copy,
     motion_of,
     orientation_of,
     particle_wanted,
-    unit_vector,
     with_copies,
     with_usual_cycles,
 )
@@ -603,10 +603,10 @@ def _resolved(
     shortest = min(steps, key=lambda one: (one.free, one.limit))
     check_rolling_step(settings.law, pairings, shortest.free, where)
     gravity, settling = gravity_of(settings.motion, where)
-    direction = settings.motion.direction or [0.0, 0.0, 1.0]
+    direction = direction_of(settings.motion, f"{where}: [motion] direction")
     return cls(
         settings, enclosure, particle, count, density, pairings, shortest, gravity, settling,
-        unit_vector(direction, f"{where}: [motion] direction"), files, bed, *shaken[1:],
+        direction, files, bed, *shaken[1:],
     )  # fmt: skip
 
 

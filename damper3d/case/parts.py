@@ -303,8 +303,8 @@ def with_usual_cycles(settings: Settings, document: dict[str, Any]) -> Settings:
 def gravity_of(motion: Motion, where: str) -> tuple[np.ndarray, np.ndarray]:
     """Gravity [m/s2] of the motion and of the settling."""
     found = _gravities(motion, where)
-    along = unit_vector(motion.direction or [0.0, 0.0, 1.0], f"{where}: [motion] direction")
-    if motion.orientation == "horizontal" != orientation_of(found[0], along):
+    along = direction_of(motion, f"{where}: [motion] direction")
+    if motion.orientation == "horizontal" and orientation_of(found[0], along) != "horizontal":
         raise InputError(
             f"{where}: [motion] orientation = 'horizontal': by the gravity or direction that is "
             "given the motion is vertical; leave orientation out, or these"
@@ -326,6 +326,11 @@ def _gravities(motion: Motion, where: str) -> tuple[np.ndarray, np.ndarray]:
     if motion.orientation == "none":
         return np.zeros(3), down
     return (across, across) if motion.orientation == "horizontal" else (down, down)
+
+
+def direction_of(motion: Motion, what: str) -> np.ndarray:
+    """Direction (3,) of the motion, of length one; InputError, on `what`, where it has none."""
+    return unit_vector(motion.direction or [0.0, 0.0, 1.0], what)
 
 
 def orientation_of(gravity: np.ndarray, direction: np.ndarray) -> str:

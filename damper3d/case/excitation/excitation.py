@@ -23,7 +23,7 @@ from damper3d.case.excitation.recorded import (
     motion_of,
     read_signal,
 )
-from damper3d.case.parts import GRAVITY, unit_vector
+from damper3d.case.parts import GRAVITY, direction_of, unit_vector
 from damper3d.case.settings import MOST_SAMPLES, Settings
 from damper3d.case.settings import Excitation as Keys
 from damper3d.engine.enclosures.cylinder import Cylinder
@@ -317,7 +317,7 @@ def _sines(keys: Keys, on: str, settings: Settings, slowest: float) -> Excitatio
 
 def _check_across(given: list[float], second: np.ndarray, settings: Settings) -> None:
     """Raise InputError where a second direction is not across that of the motion."""
-    first = unit_vector(settings.motion.direction or [0.0, 0.0, 1.0], "direction")
+    first = direction_of(settings.motion, "direction")
     if abs(second @ first) > _ACROSS:
         rest = np.round(second - (second @ first) * first, 6)
         cure = f"give such as {rest.tolist()}, and" if rest.any() else "give another;"

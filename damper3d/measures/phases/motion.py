@@ -50,9 +50,7 @@ class Motion:
     touching: np.ndarray  # (F,) share of the particles in contact with anything
     displacement: np.ndarray  # (F,) of the enclosure, at the frames
     frame_speed: np.ndarray  # (F,) likewise its velocity
-    cell: np.ndarray | float = (
-        0.0  # (N, 3) from the first of equal cells, in which x is, to its own
-    )
+    cell: np.ndarray | float = 0.0  # (N, 3) to its own of equal cells, from the first, where x is
 
     @property
     def peak_speed(self) -> float:
