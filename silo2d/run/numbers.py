@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from granulab.contact.files.datafile import data_file, shipped_rows
+from granulab.contact.files.datafile import shipped_rows
 from silo2d.case.outline import PRESETS, preset_sizes
 
 Series = NDArray[np.float64]
@@ -119,12 +119,11 @@ def published_times(silo_name: str) -> dict[str, float | bool | None]:
 
 def _printed(which: str, silo_name: str) -> list[str]:
     """The entries, a time in seconds or "C" for clogged, of a silo in a published table."""
-    table = f"silo_discharge_{which}"
-    if data_file("published", table) is None or silo_name not in PRESETS:
+    if silo_name not in PRESETS:
         return []
     outlet_mm = round(1e3 * preset_sizes(silo_name)[1])
     return [
         row["time_s"]
-        for row in shipped_rows("published", table)
+        for row in shipped_rows("published", f"silo_discharge_{which}")
         if row["silo"] == silo_name[0] and float(row["outlet_mm"]) == outlet_mm
     ]

@@ -25,6 +25,10 @@ def _a_name(_context: click.Context, _option: click.Parameter, folder: str) -> s
     return folder
 
 
+MANY = 20  # runs of a case, as studies leave them, of which a list gives only the states
+all_option = click.option(
+    "--all", "every", is_flag=True, help=f"List each run, also of a case with more than {MANY}."
+)
 out_option = click.option(
     "-o", "--out", default="runs", metavar="DIR", callback=_a_name,
     help="Holds runs and packings [default: runs].",

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import click
 
-from granulab.campaign.cli.commandline import Ended, out_option
+from granulab.campaign.cli.commandline import MANY, Ended, all_option, out_option
 from granulab.campaign.output.files import below, in_shell, write_atomic, writing
 from granulab.campaign.output.layout import wrapped
 from granulab.campaign.runs.folder import RunFolder, resume_run
@@ -28,11 +28,6 @@ class NewFile(NamedTuple):
 
 
 _LONGEST = 40  # characters of a value in a list
-_MANY = 20  # runs of a case, as studies leave them, of which a list gives only the states
-
-all_option = click.option(
-    "--all", "every", is_flag=True, help=f"List each run, also of a case with more than {_MANY}."
-)
 
 
 def file_commands(
@@ -223,7 +218,7 @@ def packings_and_runs(
 
     section: one that every case of the simulator has; runs of another are left out.
     result: words on a finished run, from its summary; where it raises, that is damaged.
-    every: list each run also of a case that has more than _MANY, not a line for all of them.
+    every: list each run also of a case that has more than MANY, not a line for all of them.
     """
     packings = sorted((root / "packings").glob("*/packing.h5"))
     studies = sorted((root / "studies").glob("*/study.toml"))
@@ -234,7 +229,7 @@ def packings_and_runs(
         lines.append(f"packings   {len(packings)} in {root / 'packings'} ({_size(*packings)})")
     lines += [f"study      {path.parent} ({_size(path.parent)})" for path in studies]
     for name, alike in _by_name(runs).items():
-        if name and len(alike) > _MANY and not every:
+        if name and len(alike) > MANY and not every:
             states = Counter(_kind_of_state(run) for run in alike)
             shown = ", ".join(f"{number} {state}" for state, number in states.items())
             lines.append(f"runs       {len(alike)} of {name} in {root}: {shown} ({_size(*alike)}); "

@@ -392,7 +392,7 @@ function upload(gl, buffer, values) {
 
 /** Rows of so many numbers in another order. */
 function inOrder(values, order, size) {
-  const sorted = new values.constructor(values.length);
+  const sorted = new values.constructor(size * order.length);
   order.forEach((from, to) => {
     for (let k = 0; k < size; k++) sorted[size * to + k] = values[size * from + k];
   });
