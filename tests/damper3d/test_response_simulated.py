@@ -64,7 +64,7 @@ def test_a_host_s_response_says_its_cost_and_its_map_is_refused(tmp_path):
     assert said.out.startswith("2 runs of 1 packings, about "), said.err
     assert not out.exists()
     mapped = damper3d("map", path, "--frequencies", "70", "--gammas", "5", "--out", out)
-    assert_refused(mapped, "has a [host]", f"damper3d response {path} --simulate")
+    assert_refused(mapped, "[host] moves", f"damper3d response {path} --simulate")
 
 
 @pytest.mark.parametrize(
