@@ -102,7 +102,7 @@ def expected_cpu_s(case: DamperCase) -> tuple[float, float]:
 
 def compiling(case: DamperCase) -> tuple[float, int]:
     """About what the kernels of a case cost to compile [s of CPU], and how many functions."""
-    return (25.0, 217) if case.of_spheres else (45.0, 277)
+    return (19.0, 229) if case.of_spheres else (34.0, 302)
 
 
 def checkpoint_interval(case: DamperCase, work: float = CHECKPOINT_WORK) -> int:

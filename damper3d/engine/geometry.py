@@ -13,13 +13,13 @@ import numpy as np
 
 from damper3d.engine.simd import separate, whole
 from damper3d.engine.state import BLOCK, DAMPING, RADIUS_I, RADIUS_J
-from granulab.contact.jit import inlined, inlined_inner, inner, uncounted
+from granulab.contact.jit import inlined_inner, inner
 from granulab.contact.vectors import add, cross, dot, scale
 
 _ROUNDING = 1.0 + 1e-12  # squares may say "apart" where the root, rounded, says "touching"
 
 
-@uncounted
+@inner
 def entry(row, k):
     """Return where lane k of a row of a block stands.
 
@@ -29,13 +29,13 @@ def entry(row, k):
     return np.uintp(row * BLOCK) + k
 
 
-@uncounted
+@inner
 def vector(rows, k):
     """The vector in lane k of three rows of a block."""
     return rows[entry(0, k)], rows[entry(1, k)], rows[entry(2, k)]
 
 
-@uncounted
+@inner
 def put(rows, k, v):
     """Let a vector stand in lane k of three rows of a block."""
     rows[entry(0, k)], rows[entry(1, k)], rows[entry(2, k)] = v
@@ -91,7 +91,7 @@ def wall_contact(normal, distance, block, k):
     block.arm_i[k], block.arm_j[k] = distance, 0.0
 
 
-@inlined
+@inlined_inner
 def touching_pairs(spheres, contacts, first, last, block):
     """Let `touching` name, from `first` on, those of contacts first ... last - 1 that touch.
 
@@ -124,14 +124,14 @@ def note_touching(contacts, begin, n_contacts, block, found):
     return found
 
 
-@uncounted
+@inner
 def copy(to, what, n):
     """The first n numbers of an array, into another."""
     for k in range(n):
         to[k] = what[k]
 
 
-@uncounted
+@inner
 def copy_rows(to, rows):
     """As many rows of four as there is room for."""
     for i in range(len(to)):

@@ -74,7 +74,7 @@ def place_now(world):
     return enclosure_at(world.shaker, world.direction, world.counts[STEP] * world.time_step)
 
 
-@uncounted
+@inner
 def search(world, shift):
     """Make stale lists again; DONE, or what is wrong. Best of without_shaker(world), see there."""
     counts = world.counts

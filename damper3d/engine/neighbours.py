@@ -68,7 +68,7 @@ from damper3d.engine.walls import (
     is_triangulated,
     note_listed,
 )
-from granulab.contact.jit import inner, specialised, uncounted
+from granulab.contact.jit import inner, specialised
 
 # How many steps a list should last, and by how much its skin changes where it does not. Short
 # lists are quick to pass through, long ones to make; the cost is flat about these.
@@ -77,7 +77,7 @@ _GROW, _SHRINK = 1.25, 0.9
 _LEAST, _MOST = 0.002, 0.03  # of the inner skin over the largest radius
 
 
-@uncounted
+@inner
 def adapt(counts, lengths, skin, made, largest):
     """Widen a skin whose list was short-lived, and narrow one whose list lasted long."""
     lasted = counts[STEP] - counts[made]
@@ -246,7 +246,7 @@ def fill_cells(cells, x, n_particles, shift):
             cells.place[at, d] = x[i, d]
 
 
-@uncounted
+@inner
 def pairs_of(first, second, cells, x, skin, i, n):
     """Append the near pairs (i, j > i) in ascending order; the new length, or -1 for no room.
 
@@ -275,7 +275,7 @@ def pairs_of(first, second, cells, x, skin, i, n):
     return n
 
 
-@uncounted
+@inner
 def ascend(numbers, begin, end):
     """Sort a handful of numbers, by insertion."""
     for n in range(begin + 1, end):

@@ -66,24 +66,36 @@ def advance_sampling(world, steps_per_sample, rows):
     """Fill rows, each after steps_per_sample steps; how many were filled, steps over, outcome.
 
     rows (n, N_COLUMNS + N_BALANCE + 3 n_walls); without any the steps are taken all the same, in
-    one kernel for both. A step that cannot be taken ends it. Lists that are stale by then are made
-    again, as they would be in the next step: a sample that counts the contacts of an old list
-    depends on when it was made.
+    one kernel for both, and without steps it looks (see look). A step that cannot be taken ends it.
+    Lists that are stale by then are made again, as they would be in the next step: a sample that
+    counts the contacts of an old list depends on when it was made.
     """
-    if len(rows) == 0:
+    for k in range(max(len(rows), 1)):
         taken, outcome = take_steps(world, steps_per_sample)
-        return 0, taken, outcome
-    for k in range(len(rows)):
-        taken, outcome = take_steps(world, steps_per_sample)
+        if len(rows) == 0 and steps_per_sample > 0:
+            return 0, taken, outcome
         if outcome == DONE:
             outcome = search(without_shaker(world), place_now(world)[0])
         if outcome != DONE:
             return k, taken, outcome
-        sample(world, steps_per_sample, rows[k])
+        if len(rows) > 0:
+            sample(world, max(steps_per_sample, 1), rows[k])
     return len(rows), np.int64(0), DONE
 
 
 @uncounted
+def look(world, rows):
+    """Make stale lists again, and fill rows, if there are any, as of now; the outcome.
+
+    The same as no step of advance_sampling, for who does not compile that.
+    """
+    outcome = search(without_shaker(world), place_now(world)[0])
+    if outcome == DONE and len(rows) > 0:
+        sample(world, 1, rows[0])
+    return outcome
+
+
+@inner
 def sample(world, steps, row):
     """One row; forces on the walls are means over the steps since the last."""
     now = world.counts[STEP] * world.time_step

@@ -34,7 +34,7 @@ from granulab.contact.compiled.rows import (
     store_columns,
     transposed,
 )
-from granulab.contact.jit import inlined
+from granulab.contact.jit import inlined_inner
 
 
 def square(builder, row):
@@ -44,7 +44,7 @@ def square(builder, row):
     return builder.fadd(builder.fadd(xx, yy), zz)
 
 
-@inlined
+@inlined_inner
 def whole(n_contacts):
     """So many lanes as the contacts fill, and then to the end of the processor's vector.
 
@@ -73,7 +73,7 @@ def _separate_four(typingctx, x, i, j, separation, begin, k):
     return signature, generate
 
 
-@inlined
+@inlined_inner
 def separate(spheres, contacts, begin, n_contacts, block):
     """Separations x_j - x_i [m] of contacts begin ... begin + n_contacts - 1, into the block."""
     x = spheres.position
@@ -128,7 +128,7 @@ def _gather_four(
     return signature, generate
 
 
-@inlined
+@inlined_inner
 def gather(spheres, contacts, begin, n_contacts, block):
     """Load rows of the contacts that entries begin ... begin + n_contacts - 1 of `touching` name.
 
@@ -176,7 +176,7 @@ def _keep_four(typingctx, history, touching, next_history, begin, k):
     return signature, generate
 
 
-@inlined
+@inlined_inner
 def keep_history(contacts, begin, n_contacts, block):
     """Let the histories after this step be those of the contacts."""
     fours = n_contacts - n_contacts % 4
@@ -227,7 +227,7 @@ def _add_four(
     return signature, generate
 
 
-@inlined
+@inlined_inner
 def add_loads(spheres, to_i, to_j, touching, begin, n_contacts, block, sums):
     """Add the forces of a block, and their torques about the centres, to rows to_i and to_j.
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from damper3d.engine import sampling, state
-from damper3d.engine.integrate import advance_together, enclosure_at, search
+from damper3d.engine.integrate import advance_together, enclosure_at
 from damper3d.engine.motions import Turning, host
 from damper3d.engine.motions.turning import without_shaker
 from damper3d.engine.multisphere.form import key_of_pair
@@ -163,6 +163,12 @@ class Simulation:
         return np.zeros((n_samples, state.N_COLUMNS + state.N_BALANCE + 3 * n_walls + own))
 
     @property
+    def _of_walls(self) -> slice:
+        """Return the columns of a sample that are forces on the walls."""
+        first = state.N_COLUMNS + state.N_BALANCE
+        return slice(first, first + 3 * len(self.world.walls.force))
+
+    @property
     def _host(self) -> host.Host | None:
         """Return the host that the enclosure rides on, if it does."""
         shaker = self.world.shaker
@@ -174,9 +180,8 @@ class Simulation:
         named = {name: rows[:, column].copy() for name, column in _COLUMNS.items()}
         named["mean_position"] = rows[:, state.POSITION_X : state.VELOCITY_X].copy()
         named["mean_velocity"] = rows[:, state.VELOCITY_X : state.N_COLUMNS].copy()
-        n_walls, forces = len(self.world.walls.force), state.N_COLUMNS + state.N_BALANCE
-        own = forces + 3 * n_walls
-        named["wall_force"] = rows[:, forces:own].copy().reshape(len(rows), n_walls, 3)
+        own, n_walls = self._of_walls.stop, len(self.world.walls.force)
+        named["wall_force"] = rows[:, self._of_walls].copy().reshape(len(rows), n_walls, 3)
         if self._counts_impacts:
             named |= {name: rows[:, column].copy() for name, column in _OF_IMPACTS.items()}
         if self._host:
@@ -194,8 +199,8 @@ class Simulation:
 
     def write_sample(self, row: np.ndarray) -> None:
         """Write the sample of now, whose last steps are taken; SimulationError if not finite."""
-        self.refresh()
-        sampling.sample(self.world, self.steps_per_sample, row)
+        self._look(row[np.newaxis])
+        row[self._of_walls] /= self.steps_per_sample
         if not np.isfinite(row).all():
             raise self.failure("the state is no longer finite")
 
@@ -210,9 +215,8 @@ class Simulation:
 
     def sample(self) -> dict[str, np.ndarray]:
         """One row of samples for the state as it is; forces on the walls are not known."""
-        self.refresh()
         rows = self.room(1)
-        sampling.sample(self.world, 1, rows[0])
+        self._look(rows)
         return self.named(rows)
 
     def compile(self) -> None:
@@ -221,12 +225,28 @@ class Simulation:
 
     def refresh(self) -> None:
         """Make stale lists again now."""
-        while self.world.counts[[state.STALE_INNER, state.STALE_WALL]].any():
-            if self._shared:
+        if self._lists_are_stale:
+            self._look(self.room(0))
+
+    @property
+    def _lists_are_stale(self) -> bool:
+        return bool(self.world.counts[[state.STALE_INNER, state.STALE_WALL]].any())
+
+    def _look(self, rows: np.ndarray) -> None:
+        """Make stale lists again, and write the sample of now to rows, of one or none.
+
+        Forces on the walls are sums there, over the steps since the last sample.
+        """
+        while True:
+            if self._shared and self._lists_are_stale:
                 self._shared.give_up_lists()
-            outcome = search(without_shaker(self.world), self._place()[0])
-            if outcome != DONE:
-                self.answer(outcome)
+            if self.n_threads > 1:  # who take their steps by another kernel
+                outcome = sampling.look(self.world, rows)
+            else:
+                _, _, outcome = sampling.advance_sampling(self.world, 0, rows)
+            if outcome == DONE:
+                return
+            self.answer(outcome)
 
     def _place(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """Displacement [m] and velocity [m/s] of the enclosure now."""

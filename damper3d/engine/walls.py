@@ -180,7 +180,7 @@ def radius_at_wall(walls, x, w, i, shift):
     return radius if mean == np.inf else mean * radius / (mean - radius)
 
 
-@inlined
+@inlined_inner
 def hertz_at_wall(world, w, i, shift):
     """Hertz constant of sphere i against wall w, at the place of it that is nearest [N/m^1.5]."""
     walls, spheres, law = world.walls, world.spheres, world.wall_law

@@ -249,4 +249,4 @@ def substituted(function: Callable[..., Any]) -> Callable[..., Any]:
 
     That loses stores to fields of tuples in loops, so that it does not serve what loops call.
     """
-    return overload(function, inline="always")
+    return overload(function, inline="always", jit_options={**_USUAL, **_INNER})

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from granulab.contact.jit import inner, uncounted
+from granulab.contact.jit import inner
 from silo2d.engine.geometry import to_edge
 from silo2d.engine.state import (
     ANGLE,
@@ -53,7 +53,7 @@ def find_bodies(bodies, local, vertices, cells, counts):
     return DONE
 
 
-@uncounted
+@inner
 def sort_into_cells(bodies, cells, counts):
     """Counting sort of the live particles into the cells; False if a position is not finite."""
     n_cells = cells.columns * cells.rows
@@ -124,7 +124,7 @@ def wall_in_range(bodies, local, vertices, i, wall):
     return dx * dx + dy * dy < far * far
 
 
-@uncounted
+@inner
 def note_positions(bodies, counts, level):
     """Note where the live particles are, now that a level is made."""
     for k in range(counts[LIVE]):

@@ -36,7 +36,7 @@ from silo2d.engine.state import (
 )
 
 
-@uncounted
+@inner
 def apply_forces(world):
     """All contact forces of this step, added to the bodies, and what they dissipate."""
     first, account, dt = world.first_pair, world.account, world.time_step
@@ -65,7 +65,7 @@ def apply_class(world, law, first_pair, account, dt):
     add_to_account(account, total, dt)
 
 
-@uncounted
+@inner
 def added(a, b):
     """Sums by mechanism, of two."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
@@ -139,7 +139,7 @@ def edge_to_vertex(row, inner, n, between, arm_v):
     return to_edge(rx, ry, edge[0], edge[1], inner.inv_length2[n])
 
 
-@uncounted
+@inner
 def overlap_now(row, inner, n):
     """Overlap of pair n [m]; negative where it does not touch."""
     j, i = inner.vertex_body[n], inner.edge_body[n]

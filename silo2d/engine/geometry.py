@@ -3,7 +3,7 @@
 from granulab.contact.jit import inner, uncounted
 
 
-@uncounted
+@inner
 def rotated(cos, sin, local):
     """A vector of a body's frame in the silo's frame."""
     return cos * local[0] - sin * local[1], sin * local[0] + cos * local[1]
@@ -26,7 +26,7 @@ def point_velocity(vx, vy, omega, arm):
     return vx - omega * arm[1], vy + omega * arm[0]
 
 
-@uncounted
+@inner
 def cross(a, b):
     """The out-of-plane component of a x b."""
     return a[0] * b[1] - a[1] * b[0]

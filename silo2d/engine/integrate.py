@@ -57,7 +57,7 @@ def rotated_direction(cos, sin, angle):
     return new_cos * unit, new_sin * unit
 
 
-@uncounted
+@inner
 def move(world):
     """One step of all live particles; wipes their loads."""
     far, low = move_live(world, np.int64(0), world.counts[LIVE])

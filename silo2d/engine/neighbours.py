@@ -15,7 +15,7 @@ whatever the skins.
 
 import numpy as np
 
-from granulab.contact.jit import inner, uncounted
+from granulab.contact.jit import inner
 from silo2d.engine.beds.door import set_door_skins, update_door
 from silo2d.engine.beds.vibration import place_walls
 from silo2d.engine.cells import find_bodies, note_positions
@@ -67,7 +67,7 @@ DOOR_LEAST = 4e-6  # [m]
 PASSED_ON = 0.1
 
 
-@uncounted
+@inner
 def search(world):
     """Make the stale levels of the lists again; return DONE, or what stands in the way.
 
@@ -84,7 +84,7 @@ def search(world):
     return outcome
 
 
-@uncounted
+@inner
 def begin_search(world):
     """Give the inner list up, and find the bodies that are near each other where it is time."""
     bodies, local, vertices, counts = world.bodies, world.local, world.vertices, world.counts
@@ -104,7 +104,7 @@ def begin_search(world):
     return DONE
 
 
-@uncounted
+@inner
 def search_outer(world):
     """Make the outer list again where it is time, from vertices that are up to date."""
     bodies, counts, outer = world.bodies, world.counts, world.outer
@@ -134,7 +134,7 @@ def search_inner(world):
     return outcome
 
 
-@uncounted
+@inner
 def note_parts(world):
     """Note where the inner pairs of each part begin: by their first body, as they are listed."""
     inner, n = world.inner, np.int64(0)

@@ -14,9 +14,8 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba.extending import overload
 
-from granulab.contact.jit import extend, inner, uncounted  # before numba is used
+from granulab.contact.jit import extend, inner, specialised, uncounted  # before numba is used
 from granulab.contact.laws import LinearLaw, register
 from silo2d.engine import ENGINE
 from silo2d.engine.state import INNER, MAX_VERTICES, OUTER, WALL_KEY
@@ -141,7 +140,7 @@ def law_of(law, n):
     return _of_inner(law, n) if isinstance(law, DrawnLaw) else _shared(law, n)
 
 
-@overload(law_of)
+@specialised(law_of)
 def _law_of(law, n):
     return _of_inner if law.instance_class is DrawnLaw else _shared
 
@@ -151,7 +150,7 @@ def outer_law(law, c):
     return _of_outer(law, c) if isinstance(law, DrawnLaw) else _shared(law, c)
 
 
-@overload(outer_law)
+@specialised(outer_law)
 def _outer_law(law, c):
     return _of_outer if law.instance_class is DrawnLaw else _also_shared
 
@@ -180,7 +179,7 @@ def draw_outer(particle_law, wall_law, outer, counts, n_bodies):
         draw_for_outer(particle_law, wall_law, outer, counts, n_bodies)
 
 
-@overload(draw_outer)
+@specialised(draw_outer)
 def _draw_outer(particle_law, wall_law, outer, counts, n_bodies):
     if particle_law.instance_class is not DrawnLaw:
         return lambda particle_law, wall_law, outer, counts, n_bodies: None
@@ -195,7 +194,7 @@ def copy_constants(law, inner, counts):
         copy_to_inner(law, inner, counts)
 
 
-@overload(copy_constants)
+@specialised(copy_constants)
 def _copy_constants(law, inner, counts):
     if law.instance_class is not DrawnLaw:
         return lambda law, inner, counts: None

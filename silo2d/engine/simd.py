@@ -22,7 +22,7 @@ from granulab.contact.compiled.rows import (
     pointer_to,
     transposed,
 )
-from granulab.contact.jit import uncounted
+from granulab.contact.jit import inner
 from silo2d.engine.state import FX, FY, NOBODY, TORQUE
 
 _PLAIN = bool(config.DISABLE_JIT)  # kernels as Python: it has no such vectors
@@ -61,7 +61,7 @@ def _add_four(
     return signature, generate
 
 
-@uncounted
+@inner
 def add_loads(row, aside, to_j, to_i, forces, begin, n_pairs, sums):
     """Add forces and torques of a block to rows of bodies, in the order of the list.
 
@@ -93,7 +93,7 @@ def add_loads(row, aside, to_j, to_i, forces, begin, n_pairs, sums):
     return normal, tangential, lost
 
 
-@uncounted
+@inner
 def _add_one(row, j, i, forces, k):
     """Loads of one pair of a block, to the rows that there are."""
     if j != NOBODY:
@@ -102,7 +102,7 @@ def _add_one(row, j, i, forces, k):
         add_to_edge_body(row, i, forces, k)
 
 
-@uncounted
+@inner
 def add_to_vertex_body(row, j, loads, k):
     """Add load k to row j, of the vertex's body."""
     row[j, FX] += loads.fx[k]
@@ -110,7 +110,7 @@ def add_to_vertex_body(row, j, loads, k):
     row[j, TORQUE] += loads.torque_j[k]
 
 
-@uncounted
+@inner
 def add_to_edge_body(row, i, loads, k):
     """Add load k to row i, of the edge's body."""
     row[i, FX] -= loads.fx[k]

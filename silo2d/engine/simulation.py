@@ -40,18 +40,29 @@ _SAMPLED = "sampled_"  # begins the names of what checkpoints hold of samples at
 
 @uncounted
 def advance(world, n_steps):
-    """Take n_steps steps; returns how many were taken and the outcome of the last search."""
-    for k in range(n_steps):
+    """Take n_steps steps; returns how many were taken and the outcome of the last search.
+
+    Without any, stale lists are made again, in one kernel for both.
+    """
+    for k in range(max(n_steps, 1)):
         if world.counts[state.STALE] > 0:
             outcome = search(world)
             if outcome != DONE:
                 return k, outcome
+        if n_steps == 0:
+            break
         load = take_loads(world)
         apply_forces(world)
         rub_plates(world, world.plates)
         move(world)
         move_walls(world, load)
     return n_steps, DONE
+
+
+@uncounted
+def look(world):
+    """Make stale lists again; the outcome. For who does not compile advance."""
+    return search(world)
 
 
 class Simulation:
@@ -151,9 +162,13 @@ class Simulation:
         self._crew, self._shared = crew_of(n_threads), None
         return n_threads if self._crew else 1
 
+    @property
+    def _by_threads(self) -> bool:
+        return self._crew is not None and self.world.plates is None
+
     def _advance(self, n_steps: int) -> tuple[int, int]:
         """Take steps, by as many threads as share them; see advance."""
-        if self._crew is None or self.world.plates is not None:
+        if not self._by_threads:
             return advance(self.world, n_steps)
         if self._shared is None or self._shared.world is not self.world:
             self._shared = SharedSteps(self.world, self._crew)
@@ -164,7 +179,10 @@ class Simulation:
         while self.world.counts[state.STALE] > 0:
             if self._shared:
                 self._shared.give_up_lists()
-            outcome = search(self.world)
+            if self._by_threads:
+                outcome = look(self.world)
+            else:
+                _, outcome = advance(self.world, 0)
             if outcome != DONE:
                 self._resolve(outcome)
 

@@ -2,23 +2,20 @@
 
 import numpy as np
 import pytest
+from inner_kernels import called
 
-from damper3d.engine.geometry import touching_pairs
-from damper3d.engine.simd import (
-    add_loads,
-    drift_on,
-    gather,
-    keep_history,
-    kick,
-    place_sphere,
-    separate,
-    square_off,
-    take_load,
-)
+from damper3d.engine import geometry, simd
+from damper3d.engine.simd import drift_on, kick, place_sphere, square_off, take_load
 from damper3d.engine.state import BLOCK, DAMPING, N_CONSTANTS, N_HISTORY, NO_CONTACT, Spheres
 from damper3d.engine.world import block as empty_block
 from damper3d.engine.world import empty_contacts
 from granulab.contact.jit import njit
+
+# Only kernels call these.
+separate, gather, keep_history = (
+    called(f) for f in (simd.separate, simd.gather, simd.keep_history)
+)
+add_loads, touching_pairs = called(simd.add_loads), called(geometry.touching_pairs)
 
 SPHERES = 9
 BEGIN = 5  # in what is gone through, so that a place in the block is not one in the list

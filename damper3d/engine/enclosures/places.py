@@ -24,14 +24,14 @@ from damper3d.engine.state import (
     RADIUS_I,
     WALL_SKIN,
 )
-from granulab.contact.jit import inlined_inner, inner, njit, uncounted
+from granulab.contact.jit import inlined_inner, inner, njit
 from granulab.contact.vectors import add, cross, dot, norm, scale
 
 _ONE_PLACE = 0.95  # cosine of that angle, 18 degrees
 _AROUND = 4.0 * np.pi  # solid angle of all directions [sr]
 
 
-@uncounted
+@inner
 def cell_of(surface, x, y, z):
     """Cell of the features near a point."""
     i = min(max(int((x - surface.low[0]) / surface.cell), 0), surface.shape[0] - 1)
@@ -40,7 +40,7 @@ def cell_of(surface, x, y, z):
     return (i * surface.shape[1] + j) * surface.shape[2] + k
 
 
-@uncounted
+@inner
 def to_feature(surface, f, x, y, z):
     """Distance [m] from a point of the plane, line or point of a feature; unit vector to it."""
     ax, ay, az = surface.origin[f, 0] - x, surface.origin[f, 1] - y, surface.origin[f, 2] - z
@@ -54,7 +54,7 @@ def to_feature(surface, f, x, y, z):
     return distance, (ax / far, ay / far, az / far)
 
 
-@uncounted
+@inner
 def has_foot(surface, f, x, y, z):
     """True where the distance from a point has a minimum on a feature, in front of it."""
     for h in range(surface.first[f], surface.first[f + 1]):
@@ -64,7 +64,7 @@ def has_foot(surface, f, x, y, z):
     return f >= surface.n_faces or to_feature(surface, f, x, y, z)[0] >= 0.0
 
 
-@uncounted
+@inner
 def at_least(surface, f, x, y, z):
     """Return what the distance of a point from a feature is at least [m]; inf from behind."""
     distance = to_feature(surface, f, x, y, z)[0]
@@ -277,7 +277,7 @@ def clearances(corners, points):
     return found
 
 
-@uncounted
+@inner
 def solid_angle(corners, point):
     """Solid angle [sr] under which triangles (m, 3, 3) are seen (van Oosterom, Strackee 1983)."""
     total = 0.0
@@ -290,7 +290,7 @@ def solid_angle(corners, point):
     return total
 
 
-@uncounted
+@inner
 def between(point, corners, m, k):
     """From a point to corner k of triangle m, a tuple [m]."""
     return (
@@ -300,7 +300,7 @@ def between(point, corners, m, k):
     )
 
 
-@uncounted
+@inner
 def square_to_triangle(corners, m, point):
     """Squared distance [m2] of a point from triangle m: from its face, or the nearest side."""
     a, b, c = between(point, corners, m, 0), between(point, corners, m, 1), (
@@ -315,7 +315,7 @@ def square_to_triangle(corners, m, point):
     return min(square_to_side(a, b), square_to_side(b, c), square_to_side(c, a))
 
 
-@uncounted
+@inner
 def square_to_side(a, b):
     """Squared distance [m2] of the origin from the line between two points, tuples [m]."""
     way = add(b, scale(-1.0, a))

@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from damper3d.engine.motions import registry
-from granulab.contact.jit import inlined_inner, njit, specialised, uncounted
+from granulab.contact.jit import inlined_inner, inner, njit, specialised, uncounted
 
 # Entries of Host.books [J]: work of the force and of the base since the motion began, what the
 # host's own dampers took.
@@ -74,7 +74,7 @@ class Ringing(NamedTuple):
     phase: np.ndarray  # (r, n) p [rad]
 
 
-@uncounted
+@inner
 def ringing(motion, r, t):
     """Return the sum of mode r at the time t [s]."""
     total = 0.0
@@ -84,7 +84,7 @@ def ringing(motion, r, t):
     return total
 
 
-@uncounted
+@inner
 def ringing_rate(motion, r, t):
     """Return its derivative in time."""
     total = 0.0
@@ -129,7 +129,7 @@ def velocity(host, t):
     return total
 
 
-@uncounted
+@inner
 def mode_rate(host, r, t, pushed):
     """Return q' of mode r in the middle of a kick by the modal force pushed [N kg^-0.5]."""
     half = 0.5 * host.time_step * (pushed + drive_push(host, r, t))
@@ -149,7 +149,7 @@ def drive_push(host, r, t):
     return push - host.participation[r] * gained
 
 
-@uncounted
+@inner
 def kick(host, t, force):
     """Take the bed's force [N] of the step at t [s] to the modes, and go on by a step.
 

@@ -6,7 +6,7 @@ corner that particles can rest on, to that lip. Its surface moves with it and dr
 friction. As a wall it has no inertia; the work of whoever draws it is accounted for.
 """
 
-from granulab.contact.jit import inner, uncounted
+from granulab.contact.jit import inner
 from silo2d.engine.beds.vibration import note_loads, shake_walls
 from silo2d.engine.integrate import energy_of_contacts
 from silo2d.engine.state import (
@@ -72,7 +72,7 @@ def set_door_skins(bodies, counts, dt, steps, least):
             bodies.skin[door, level] = n_steps * (dt * bodies.row[door, VX] + least)
 
 
-@uncounted
+@inner
 def take_loads(world):
     """Put the forces on walls that move aside: that of this step alone does work; the door's."""
     note_loads(world, world.vibration)
@@ -83,7 +83,7 @@ def take_loads(world):
     return load
 
 
-@uncounted
+@inner
 def move_walls(world, load):
     """Move those walls by a step, at its end, and put the forces back; load: of the door."""
     shake_walls(world, world.vibration)

@@ -21,9 +21,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numba import types
-from numba.extending import overload
 
-from granulab.contact.jit import uncounted
+from granulab.contact.jit import inner, specialised, uncounted
 from granulab.contact.laws import normal_force
 from silo2d.engine.forces import edge_to_vertex
 from silo2d.engine.geometry import rotated
@@ -88,7 +87,7 @@ def rub(world, plates):
     world.account[PARTICLE_WALL + FRICTION] += lost * dt
 
 
-@uncounted
+@inner
 def press(world, plates):
     """Sum of elastic normal forces times their distance from the centroid, of each particle."""
     row, inner, counts = world.bodies.row, world.inner, world.counts
@@ -123,7 +122,7 @@ def rub_plates(world: Any, plates: Plates | None) -> None:
         rub(world, plates)
 
 
-@overload(rub_plates)
+@specialised(rub_plates)
 def _rub_plates(world, plates):
     if isinstance(plates, types.NoneType):
         return lambda world, plates: None

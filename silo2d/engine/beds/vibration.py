@@ -8,9 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numba import types
-from numba.extending import overload
 
-from granulab.contact.jit import uncounted
+from granulab.contact.jit import specialised, uncounted
 from silo2d.engine.state import (
     FIRST,
     FX,
@@ -91,21 +90,21 @@ def place_walls(world: Any, vibration: Vibration | None) -> None:
         place(world, vibration)
 
 
-@overload(note_loads)
+@specialised(note_loads)
 def _note_loads(world, vibration):
     if isinstance(vibration, types.NoneType):
         return lambda world, vibration: None
     return lambda world, vibration: note(world, vibration)
 
 
-@overload(shake_walls)
+@specialised(shake_walls)
 def _shake_walls(world, vibration):
     if isinstance(vibration, types.NoneType):
         return lambda world, vibration: None
     return lambda world, vibration: shake(world, vibration)
 
 
-@overload(place_walls)
+@specialised(place_walls)
 def _place_walls(world, vibration):
     if isinstance(vibration, types.NoneType):
         return lambda world, vibration: None

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from granulab.contact.compiled.threads import Crew, clock, rows_apart, wait
-from granulab.contact.jit import inlined, inner, uncounted
+from granulab.contact.jit import inlined_inner, inner, uncounted
 from silo2d.engine.beds.door import move_walls, take_loads
 from silo2d.engine.forces import add_to_account, added, contact_forces
 from silo2d.engine.integrate import end_step, move_live
@@ -97,7 +97,7 @@ def advance_shared(world, team, thread, n_steps):
     return n_steps, np.int64(DONE)
 
 
-@inlined
+@inlined_inner
 def _search(world, team, thread, arrived):
     """Make stale lists again, see neighbours.search; the outcome is in team."""
     n_threads, is_first = len(team.n_foreign), thread == 0
@@ -123,7 +123,7 @@ def _search(world, team, thread, arrived):
     return arrived
 
 
-@uncounted
+@inner
 def _own_live(world, team, thread):
     """Return where the live particles of a thread begin and end."""
     live = world.bodies.live[: world.counts[LIVE]]
@@ -133,7 +133,7 @@ def _own_live(world, team, thread):
     )
 
 
-@inlined
+@inlined_inner
 def _share_out(world, team, thread, arrived):
     """Choose where the loads of a thread's pairs go; arrived."""
     n_threads = len(team.n_foreign)
@@ -180,12 +180,12 @@ def _choose_rows(world, team, thread, which):
     team.n_own[thread, which] = n_own
 
 
-@inlined
+@inlined_inner
 def _unless(body, is_kept):
     return NOBODY if is_kept else body
 
 
-@inlined
+@inlined_inner
 def _own_pairs(world, team, thread, which):
     """Return where a thread's pairs of a class, 0 or 1, begin and end."""
     first_pair, parts = world.first_pair, team.parts
@@ -209,7 +209,7 @@ def _push(world, team, thread, which, law):
         own[0], own[1], own[2] = sums
 
 
-@inlined
+@inlined_inner
 def _push_block(world, team, thread, law, begin, n_pairs, sums):
     """Add the loads of a block that are not kept; the block, and the sums with its own."""
     blocks, row = team.blocks, world.bodies.row
@@ -222,7 +222,7 @@ def _push_block(world, team, thread, law, begin, n_pairs, sums):
     return block, sums
 
 
-@inlined
+@inlined_inner
 def _keep(kept, n, block, k):
     """Keep the load of pair n, number k of a block."""
     kept.fx[n], kept.fy[n] = block.fx[k], block.fy[k]
@@ -248,7 +248,7 @@ def _deliver(world, team, thread):
             _add_to_edge_body(row, inner, kept, n, begins, ends)
 
 
-@inlined
+@inlined_inner
 def _add_to_vertex_body(row, inner, kept, n, begins, ends):
     """Add the load of pair n to the body of its vertex, if it is in a range."""
     j = inner.vertex_body[n]
@@ -256,7 +256,7 @@ def _add_to_vertex_body(row, inner, kept, n, begins, ends):
         add_to_vertex_body(row, j, kept, n)
 
 
-@inlined
+@inlined_inner
 def _add_to_edge_body(row, inner, kept, n, begins, ends):
     """Likewise to that of its edge."""
     i = inner.edge_body[n]
