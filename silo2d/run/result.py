@@ -21,6 +21,7 @@ class Result(Results):
     # In store at the opening; of runs of earlier versions the numbers above have it.
     n_store: int = field(default=0, kw_only=True)
     mass_store_kg: float = field(default=0.0, kw_only=True)
+    n_refilled: int | None = field(default=None, kw_only=True)  # of the store, put on top so far
     # Whether it clogged, and when the last particle left before (0: none did); None in runs of
     # earlier versions.
     clogged: bool | None = field(default=None, kw_only=True)

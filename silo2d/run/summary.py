@@ -14,6 +14,7 @@ from granulab.campaign.runs.trajectory import read_trajectory
 from granulab.contact.attraction import Attraction
 from silo2d.case.case import GRAVITY, SiloCase
 from silo2d.case.disorder import QUANTITIES, scores
+from silo2d.run.beds.acts import put_of_store
 from silo2d.run.ending import Clock, Flow
 from silo2d.run.numbers import (
     MECHANISMS,
@@ -36,6 +37,7 @@ def summarise(
         "outcome": outcome,
         "n_particles": sim.n_particles - case.settings.flow.refill,
         "n_store": case.settings.flow.refill,
+        "n_refilled": put_of_store(sim, case.settings.flow.refill),
         "n_out": sim.n_out,
         "packing_fraction": packing.fraction,
         "coordination": packing.coordination,

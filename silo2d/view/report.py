@@ -211,6 +211,8 @@ def _door(case: SiloCase) -> list[str]:
 def report(result: Result) -> str:
     """The results of a run with the published values."""
     store = f" and {result.n_store} in store" if result.n_store else ""
+    if result.n_refilled is not None and result.n_refilled < result.n_store:
+        store += f", of which {result.n_refilled or 'none'} were put on top,"
     out = f"{result.n_out} of {result.n_particles} particles{store} out"
     when = "" if not result.clogged_after_s else f" after {result.clogged_after_s:.3f} s"
     lines = [f"{result.silo}, seed {result.seed}: {_OUTCOMES[result.outcome]}{when}, {out}"]

@@ -65,6 +65,7 @@ def test_a_store_keeps_the_number_and_is_used_up(tmp_path):
     assert (inside[0], result.n_store) == (at_first, 40)
     assert result.mass_out_kg == pytest.approx(result.mass_kg + result.mass_store_kg, rel=1e-9)
     assert f"of {at_first} particles and 40 in store out" in report(result)
+    assert result.n_refilled == 40
     (axes,) = discharge_chart(read_scene(result.run_folder)).axes
     assert axes.texts[0].get_text() == f"all {at_first} and 40 in store"
     used_up = frames["inside"][:, at_first:].any(axis=1)
@@ -74,6 +75,15 @@ def test_a_store_keeps_the_number_and_is_used_up(tmp_path):
     assert used_up.any()
     assert result.n_out > at_first
     assert result.outcome == "empty"
+
+
+def test_a_store_that_is_not_used_up_says_what_it_gave(tmp_path):
+    """What stands in the way of a run that ends before, or of one with no way to the surface."""
+    result, frames = result_of(tmp_path, flow__refill=40, run__max_time="0.1 s")
+    put = frames["inside"][:, result.n_particles :].any(axis=0).sum()
+    assert put <= result.n_refilled < 40  # after the last frame some more may have been
+    said = f"and 40 in store, of which {result.n_refilled or 'none'} were put on top, out"
+    assert said in report(result)
 
 
 def test_plates_slow_the_discharge(tmp_path):

@@ -11,7 +11,7 @@ import numpy as np
 from silo2d.case.case import SiloCase
 from silo2d.engine import state
 from silo2d.engine.simulation import Simulation
-from silo2d.run.ending import LOOK
+from silo2d.run.ending import LOOK, Flow
 from silo2d.run.packing import Packing
 from silo2d.run.refill import Surface, put_on
 
@@ -138,11 +138,17 @@ class Acts:
     def _refill(self, sim: Simulation, surface: Surface) -> None:
         """Put particles of the store on the surface, as many as have left."""
         n, store = sim.n_particles, self.case.settings.flow.refill
-        used = ~np.isnan(sim.out_time[n - store :])
-        used[sim.live[sim.live >= n - store] - (n - store)] = True
-        first = n - store + int(used.sum())
+        first = n - store + put_of_store(sim, store)
         wanted = np.arange(first, min(first + n - store - len(sim.live), n))
         if not len(wanted):
             return
         radii = np.array([shape.bounding_radius for shape in self.case.shapes.shapes])
         put_on(surface, sim, wanted, radii[self.packing.kinds], sim.poses()[wanted, 2])
+
+
+def put_of_store(sim: Flow, store: int) -> int:
+    """Of so many particles in store, the last ones, how many were put on top so far."""
+    first = sim.n_particles - store
+    used = ~np.isnan(sim.out_time[first:])
+    used[sim.live[sim.live >= first] - first] = True
+    return int(used.sum())
