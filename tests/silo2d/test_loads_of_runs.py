@@ -557,7 +557,19 @@ WRONG = [
     (["A4", "--silo", "none.toml"], ["none.toml: no such file", "--loads"]),
     (["--silo", "none.toml"], ["none.toml: no such file"]),
     (["--silo", "none.toml", "--seeds", "2"], ["closed form"]),
+    (["--silo", "none.toml", "--dry-run"], ["closed form"]),
 ]
+
+
+def test_what_loads_of_a_case_will_take_is_said_and_nothing_is_run(tmp_path, monkeypatch):
+    """A packing and a run of each seed; of run folders there is nothing to be said."""
+    monkeypatch.chdir(tmp_path)
+    found = silo2d("loads", "A4", "--seeds", "3", "--dry-run")
+    assert found.out.startswith("3 runs of 3 packings, about "), found
+    planned = json.loads(silo2d("loads", "A4", "--seeds", "3", "--dry-run", "--json").out)
+    assert (planned["runs"], planned["packings"]) == (3, 3)
+    assert not list(tmp_path.iterdir())
+    assert_refused(silo2d("loads", tmp_path, "--dry-run"), "run folders are as they are")
 
 
 @pytest.mark.parametrize(("arguments", "words"), WRONG)

@@ -29,7 +29,7 @@ class Task(NamedTuple):
     module, name  of the command
     command       its click command
     own           the kind of file that it takes besides cases, where it takes one
-    option        that this file goes with, if it is no argument
+    option        that this file goes with, if it is no argument: its answer takes no time
     """
 
     module: str
@@ -74,6 +74,7 @@ TASKS = {
     "damper3d response": Task("damper3d", "response", _of(f"{_STRUCTURE}.response", "response")),
     "silo2d loads": Task("silo2d", "loads", _of("silo2d.commands.loads", "loads"), _loads,
                          "--silo"),
+    "silo2d loads CASE": Task("silo2d", "loads", _of("silo2d.commands.loads", "loads")),
     "silo2d clog": Task("silo2d", "clog", _of("silo2d.commands.clog", "clog")),
 }  # fmt: skip
 
@@ -108,7 +109,7 @@ class Measuring:
         command = known.command()
         return {
             **command_form(command),
-            "dry": "dry_run" in _names(command),
+            "dry": "dry_run" in _names(command) and not known.option,
             "own": known.own().form() if known.own else None,
         }
 
