@@ -1,5 +1,6 @@
 """The studio in a browser: built by mouse, refused, run, stopped, gone on with, opened again."""
 
+import re
 import shutil
 import tomllib
 from pathlib import Path
@@ -194,7 +195,18 @@ def test_a_film_is_measured_in_a_region_and_its_value_written(studio, opened):
 def asked(page, question):
     """Choose a question in its room."""
     page.get_by_role("tab", name="Questions").click()
-    page.get_by_label("Question").select_option(label=question)
+    page.get_by_label("Question", exact=True).select_option(label=question)
+
+
+def test_each_question_has_a_form_and_a_way_to_begin(studio, opened):
+    page = opened(studio.address)
+    page.get_by_role("tab", name="Questions").click()
+    questions = page.get_by_label("Question", exact=True).locator("option").all_inner_texts()
+    assert len(questions) == 7
+    for question in questions:
+        asked(page, question)
+        begin = page.get_by_role("button", name=re.compile("^(Start|What will it take.)$"))
+        expect(begin).to_be_visible(timeout=60_000)
 
 
 def test_a_map_says_its_cost_is_computed_and_seen_again_by_a_page_that_was_reloaded(studio, opened):

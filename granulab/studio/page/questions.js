@@ -31,7 +31,7 @@ const QUESTIONS = [
   { words: "What load is on the wall?", task: "silo2d loads", first: {} },
   {
     words: "What load does a simulated bed put on the wall?", task: "silo2d loads CASE", cases: "silo2d",
-    shipped: "presets", chosen: "A4", first: { seeds: "3", rough_plates: "" },
+    shipped: "presets", chosen: "A4", first: { seeds: "3", solid: "", "rough-plates": "" },
   },
   {
     words: "Which outlet is safe?", task: "silo2d clog", cases: "silo2d", shipped: "presets", chosen: "A3",
